@@ -52,7 +52,7 @@ fn is_of_the_mesh(run: &mut Run<'_>, mode: &LowestMode, weight: f64) -> bool {
     run.state.penalty = present;
     let mut strained = vec![0.0; mode.motion.len()];
     let stiffness = &run.model.prepared.stiffness;
-    stiffness.apply(&mode.motion, &mut strained, &mut run.work);
+    stiffness.apply(&mode.motion, &mut strained, run.work);
     let strain = dot(&mode.motion, &strained);
     held >= mode.eigenvalue.abs() && held >= OF_THE_MESH * (weight - present) * strain
 }
@@ -62,7 +62,7 @@ fn curvature(run: &mut Run<'_>, mode: &LowestMode, penalty: f64) -> f64 {
     run.state.penalty = penalty;
     let now = run.evaluate();
     let program = QuadraticProgram::new(run, &now, None, &mut 0.0);
-    program.curvature_along(&mode.motion, &mut run.work)
+    program.curvature_along(&mode.motion, run.work)
 }
 
 /// Moves a good state to where a larger penalty has its equilibrium; leaves it

@@ -241,7 +241,7 @@ fn push(run: &mut Run<'_>) {
         return;
     };
     let largest = motion.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let leaning = at_rest(&run.model, &motion, &mut run.work);
+    let leaning = at_rest(&run.model, &motion, run.work);
     let side = dot(&leaning, &run.state.displacement);
     let length = PUSH / largest * if side < 0.0 { -1.0 } else { 1.0 };
     add_scaled(&mut run.state.displacement, length, &motion);

@@ -46,7 +46,7 @@ pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
     let is_loose = model.plan.is_floating() && !touches;
     if slides_off(model, run.state).unwrap_or(is_loose) {
         ending.cause = Some(Cause::NoEquilibrium);
-    } else if is_enclosed(model) || is_closed_by_contact(model, run.state, &mut run.work) {
+    } else if is_enclosed(model) || is_closed_by_contact(model, run.state, run.work) {
         ending.cause = Some(Cause::EnclosedVolume);
     }
 }

@@ -45,8 +45,8 @@ fn rival(run: &mut Run<'_>) -> Option<Rival> {
     let pressure = prepared.pressure.as_ref();
     let divergence = pressure.map(|block| &block.coupling as &dyn LinearOperator);
     let body = (&*inverse, divergence);
-    let volumes = volumes(&run.model, body, &mut run.work);
-    let metric = ContactMetric::new(&run.model, &inverse, volumes, &now, &mut run.work);
+    let volumes = volumes(&run.model, body, run.work);
+    let metric = ContactMetric::new(&run.model, &inverse, volumes, &now, run.work);
     let matrix = &*metric.matrix;
     let known = DenseSolution {
         values: run.state.multiplier.clone(),

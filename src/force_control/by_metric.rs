@@ -31,7 +31,7 @@ pub(super) fn by_metric(run: &mut Run<'_>, controls: &[Control]) -> PushStiffnes
     let changes = gap_changes(&run.model, run.state, controls);
     let own = |change: &Vec<f64>| -> Vec<f64> { closed.iter().map(|&k| change[k]).collect() };
     let own: Vec<Vec<f64>> = changes.iter().map(own).collect();
-    let mut known = condensed(program.metric(), &closed, &own, &mut run.work);
+    let mut known = condensed(program.metric(), &closed, &own, run.work);
     let stiffer = evenly(&run.model).recip();
     for column in known.iter_mut().flatten() {
         scale(column, stiffer);

@@ -194,7 +194,7 @@ impl Iterate {
             let is_stuck = is_by_factor && self.idle > MOST_IDLE_AT_FINITE_STRAIN;
             return is_stuck.then(|| Verdict::failed(Cause::Stagnation));
         }
-        run.learned.directions.clear(&mut run.work);
+        run.learned.directions.clear(run.work);
         (self.idle >= MOST_IDLE).then(|| self.end_of_progress(run))
     }
 
@@ -218,7 +218,7 @@ impl Iterate {
         if let Some(advance) = before.advance.filter(|_| run.counters.step_length < 1.0) {
             let last = advance.last.clone();
             self.now
-                .advance_from(last, (&run.model, run.state), &mut run.work);
+                .advance_from(last, (&run.model, run.state), run.work);
         }
         if run.model.is_rubber() {
             limit_gap_scale(run.state, &self.now);

@@ -124,7 +124,7 @@ fn advanced(run: &mut Run<'_>, now: Evaluation, last: Drive) -> Evaluation {
         now
     };
     timed(&mut run.counters.seconds.contact, || {
-        now.advance_from(last, (&run.model, run.state), &mut run.work);
+        now.advance_from(last, (&run.model, run.state), run.work);
     });
     now
 }

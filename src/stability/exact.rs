@@ -21,17 +21,17 @@ pub(super) fn certified(run: &mut Run<'_>) -> Option<LowestMode> {
     let known = run.learned.lowest_mode.take();
     let mut start = first_motion(run, known.as_ref());
     let mut noise = motion_without_symmetry(run);
-    let lengths = [&start, &noise].map(|x| length_at_rest(&run.model, x, &mut run.work));
+    let lengths = [&start, &noise].map(|x| length_at_rest(&run.model, x, run.work));
     scale(&mut noise, NOISE * lengths[0] / lengths[1]);
     start.iter_mut().zip(&noise).for_each(|(x, n)| *x += n);
     let mut found = program.inertia(run, &start)?;
-    let length = length_at_rest(&run.model, &found.motion, &mut run.work);
+    let length = length_at_rest(&run.model, &found.motion, run.work);
     if !(length > 0.0 && length.is_finite()) {
         return None;
     }
     scale(&mut found.motion, 1.0 / length);
     Some(LowestMode {
-        eigenvalue: program.curvature_along(&found.motion, &mut run.work),
+        eigenvalue: program.curvature_along(&found.motion, run.work),
         motion: found.motion,
         stability: match (found.unstable, found.led_back) {
             (0, _) => Stability::Minimum,

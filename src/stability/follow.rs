@@ -40,15 +40,15 @@ pub(super) fn certified_about(
     let mut eigenvalue = 0.0;
     let mut accuracies = vec![ROUGH; steps];
     while let Some(accuracy) = accuracies.pop() {
-        let force = at_rest(&run.model, &motion, &mut run.work);
+        let force = at_rest(&run.model, &motion, run.work);
         let found = program.invert(run, force, accuracy)?;
-        let length = length_at_rest(&run.model, &found, &mut run.work);
+        let length = length_at_rest(&run.model, &found, run.work);
         if !(length > 0.0 && length.is_finite()) {
             return None;
         }
         motion = found;
         scale(&mut motion, 1.0 / length);
-        eigenvalue = program.curvature_along(&motion, &mut run.work);
+        eigenvalue = program.curvature_along(&motion, run.work);
         if accuracies.is_empty() && eigenvalue < DOUBTFUL && accuracy == ROUGH {
             accuracies.push(SHARP);
         }

@@ -34,7 +34,7 @@ pub(super) fn certified(run: &mut Run<'_>) -> Option<LowestMode> {
         let noise = motion_without_symmetry(run);
         match program.least_eigenvalue(run, noise, tried) {
             Least::Positive(motion, value) => {
-                let length = length_at_rest(&run.model, &motion, &mut run.work);
+                let length = length_at_rest(&run.model, &motion, run.work);
                 return mode(run, motion, value / (length * length), Stability::Minimum);
             }
             Least::Negative(motion) => suspect = Some(motion),
@@ -45,8 +45,8 @@ pub(super) fn certified(run: &mut Run<'_>) -> Option<LowestMode> {
     let suspect = suspect.filter(|_| program.skew().is_none());
     let admitted = suspect.and_then(|motion| program.admitted(run, &motion, KEPT));
     if let Some(motion) = admitted {
-        let length = length_at_rest(&run.model, &motion, &mut run.work);
-        let curvature = program.curvature_along(&motion, &mut run.work);
+        let length = length_at_rest(&run.model, &motion, run.work);
+        let curvature = program.curvature_along(&motion, run.work);
         let eigenvalue = curvature / (length * length);
         if eigenvalue < -NEUTRAL {
             return mode(run, motion, eigenvalue, Stability::Saddle);
@@ -62,7 +62,7 @@ fn mode(
     eigenvalue: f64,
     stability: Stability,
 ) -> Option<LowestMode> {
-    let length = length_at_rest(&run.model, &motion, &mut run.work);
+    let length = length_at_rest(&run.model, &motion, run.work);
     if !(length > 0.0 && length.is_finite()) {
         return None;
     }

@@ -81,7 +81,7 @@ impl Response {
     /// Takes the surface over into the state; none where it is not within the tolerance.
     fn judged(&self, run: &mut Run<'_>, mut at: Iterate) -> Option<Ending> {
         let free = self.free.as_ref()?;
-        let mut wrong = pressing(&at.now, &at.state, &mut run.work);
+        let mut wrong = pressing(&at.now, &at.state, run.work);
         at.now.contact_norm = norm(&wrong);
         at.now.load_norm = load_norm(&run.model, run.state);
         at.now.reaction_norm = free.reaction_norm;

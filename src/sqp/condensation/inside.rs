@@ -24,7 +24,7 @@ pub(crate) fn complete(run: &mut Run<'_>) {
         return;
     }
     let whole = with(run, |response, run| {
-        response.whole(&run.model, run.state, &mut run.work)
+        response.whole(&run.model, run.state, run.work)
     });
     if let Some(whole) = whole {
         *run.state = whole;

@@ -58,8 +58,8 @@ fn known_now(run: &mut Run<'_>) -> Known {
         Some(factor) => {
             run.counters.factorisations += 1;
             let made = BodyResponse {
-                volumes: volumes(&run.model, &unknowns, &mut run.work),
-                accuracy: accuracy(&run.model, (&factor, &unknowns), &mut run.work),
+                volumes: volumes(&run.model, &unknowns, run.work),
+                accuracy: accuracy(&run.model, (&factor, &unknowns), run.work),
                 columns: Columns::new(unknowns, &places, fields),
                 factor,
             };

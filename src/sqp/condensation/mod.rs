@@ -99,7 +99,7 @@ impl Response {
 
     /// Displacement and pressure under the contact load `[displacement]`.
     fn fill_fields(&self, run: &mut Run<'_>, free: &Free, load: Vec<f64>) {
-        let solution = self.body.solution(load, &mut run.work);
+        let solution = self.body.solution(load, run.work);
         let (moved, pressure) = solution.split_at(free.displacement.len());
         run.state.displacement.clone_from(&free.displacement);
         run.state.pressure.clone_from(&free.pressure);

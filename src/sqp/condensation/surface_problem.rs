@@ -92,7 +92,7 @@ impl SurfaceProblem<'_> {
         let mut before = f64::INFINITY;
         let mut compliance = None;
         for _ in 0..MOST {
-            let load = pressing(&at.now, &at.state, &mut run.work);
+            let load = pressing(&at.now, &at.state, run.work);
             let left = left_over(run, &at, &load);
             let is_rounding = left <= ROUNDING && left > SHARE * before;
             if left <= SHARE * run.model.conditions.tolerance || is_rounding {
@@ -120,7 +120,7 @@ impl SurfaceProblem<'_> {
             let load = load.to_vec();
             return Some(Iterate { state, load, now });
         }
-        let load = pressing(&now, run.state, &mut run.work);
+        let load = pressing(&now, run.state, run.work);
         let mut at = Iterate { state, load, now };
         self.move_surface(run, &mut at)?;
         Some(at)
@@ -186,7 +186,7 @@ impl SurfaceProblem<'_> {
             at.state.multiplier[index] = solution.values[place];
             at.state.status[index] = solution.status[place];
         }
-        at.load = pressing(&at.now, &at.state, &mut run.work);
+        at.load = pressing(&at.now, &at.state, run.work);
         self.move_surface(run, at)?;
         Some(before != at.state.status)
     }

@@ -105,7 +105,7 @@ impl QuadraticProgram<'_> {
         run.counters.factorisations += 1;
         let at = (&run.model, &*run.state);
         let compliance = timed(&mut run.counters.seconds.contact, || {
-            NearCompliance::new(&factor, at, &self.now, &mut run.work)
+            NearCompliance::new(&factor, at, &self.now, run.work)
         });
         Some(FactoredBody::new(factor, compliance))
     }
@@ -141,7 +141,7 @@ impl QuadraticProgram<'_> {
     pub(super) fn step_by_compliance(&self, run: &mut Run<'_>) -> Option<Step> {
         let mut iterate = first_iterate(run.state, &self.now, self.motion.as_deref());
         run.counters.applications += 2;
-        let moved = self.move_by_compliance(&mut iterate, &mut run.work);
+        let moved = self.move_by_compliance(&mut iterate, run.work);
         moved.map(|()| step_from(iterate, run.state))
     }
 
@@ -151,9 +151,9 @@ impl QuadraticProgram<'_> {
         let body = self.factored.as_ref()?;
         body.begin();
         let mut iterate = first_iterate(run.state, &self.now, self.motion.as_deref());
-        self.move_by_compliance(&mut iterate, &mut run.work)?;
+        self.move_by_compliance(&mut iterate, run.work)?;
         let blocks = self.blocks();
-        let step = self.block_step(&*self.inverse.displacement, &mut run.work);
+        let step = self.block_step(&*self.inverse.displacement, run.work);
         let released = self.released_by_all();
         let problem = self.problem(released, &*self.inverse.displacement, &blocks, &*step);
         let Run {

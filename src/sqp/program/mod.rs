@@ -89,12 +89,12 @@ impl<'a> QuadraticProgram<'a> {
     ) -> Self {
         let tangent = timed(&mut run.counters.seconds.assemble, || {
             let linearised = &mut run.learned.linearised;
-            Tangent::new(&run.model, run.state, linearised, &mut run.work)
+            Tangent::new(&run.model, run.state, linearised, run.work)
         });
         let inverse = inverse(run, tangent.as_ref());
         let now = match (&tangent, &motion) {
             (Some(tangent), Some(motion)) => {
-                tangent.after(motion, (&run.model, run.state), now, &mut run.work)
+                tangent.after(motion, (&run.model, run.state), now, run.work)
             }
             _ => now.clone(),
         };
@@ -109,11 +109,11 @@ impl<'a> QuadraticProgram<'a> {
             .as_ref()
             .map(|t| &t.coupling as &dyn LinearOperator)
             .or(fixed);
-        let volumes = volumes(&run.model, (&inverse, divergence), &mut run.work);
-        let coarse = coarse_schur(prepared, volumes.as_ref(), &mut run.work);
-        let metric = ContactMetric::new(&run.model, &inverse, volumes, &now, &mut run.work);
+        let volumes = volumes(&run.model, (&inverse, divergence), run.work);
+        let coarse = coarse_schur(prepared, volumes.as_ref(), run.work);
+        let metric = ContactMetric::new(&run.model, &inverse, volumes, &now, run.work);
         run.counters.applications += metric.applications;
-        let expected = metric.predicted_load(&now, run.state, &mut run.work);
+        let expected = metric.predicted_load(&now, run.state, run.work);
         let released = released_of(&run.model, run.state);
         let turning = (run.model.interfaces.friction.as_ref())
             .and_then(|friction| friction.turning(&run.model, run.state))

@@ -179,7 +179,7 @@ impl QuadraticProgram<'_> {
             loose: None,
         };
         let means: (&dyn LinearOperator, &dyn Preconditioner) = (&operator, &displacement);
-        operator.loose = self.loose(run.state, means, &mut run.work);
+        operator.loose = self.loose(run.state, means, run.work);
         let process = LeastEigenvalue {
             operator: &operator,
             preconditioner: &displacement,

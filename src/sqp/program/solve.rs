@@ -152,7 +152,7 @@ impl QuadraticProgram<'_> {
         let is_asked = !is_rough && !is_balanced;
         let curvature = self.curvature.as_ref().filter(|_| is_asked);
         curvature.is_none_or(|curvature| {
-            self.has_positive_stiffness(curvature, &step.displacement, &mut run.work)
+            self.has_positive_stiffness(curvature, &step.displacement, run.work)
         })
     }
 

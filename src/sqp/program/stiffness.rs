@@ -81,7 +81,7 @@ impl QuadraticProgram<'_> {
     ) -> Option<Vec<f64>> {
         let stiffness = &self.model.prepared.stiffness;
         let mut force = vec![0.0; motion.len()];
-        stiffness.apply(motion, &mut force, &mut run.work);
+        stiffness.apply(motion, &mut force, run.work);
         mask(&self.model.prepared.held, &mut force);
         let terms = Terms {
             stiffness: &self.model.prepared.stiffness,
@@ -110,7 +110,7 @@ impl QuadraticProgram<'_> {
         let displacement = Counted::new(&*self.inverse.displacement);
         let mut blocks = self.blocks();
         blocks[0].joint = terms.joint;
-        let step = self.block_step(&displacement, &mut run.work);
+        let step = self.block_step(&displacement, run.work);
         let problem = QpProblem {
             stiffness: terms.stiffness,
             augmentation: terms.augmentation,
