@@ -180,9 +180,10 @@ impl LoadPath<'_> {
             };
             let before = run.counters.applications;
             tried.note(strategy);
-            let settled = match strategy {
-                Strategy::SnapThrough => self.snap_through(run, &failure),
-                _ => self.penalise(run, failed.lost.as_ref()),
+            let settled = if strategy == Strategy::SnapThrough {
+                self.snap_through(run, &failure)
+            } else {
+                self.penalise(run, failed.lost.as_ref())
             };
             let Some(settled) = settled else {
                 // A penalty that the scene has no place for is no attempt.

@@ -17,10 +17,11 @@ use crate::linalg::vector::{add_scaled, dot};
 use crate::model::conditions::Conditions;
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Snap};
+use crate::model::state::State;
 use crate::report::{Cause, Termination};
 use crate::sqp::increment;
 use crate::sqp::lowest_mode::{LowestMode, at_rest};
-use crate::sqp::proximal_flow::{Advance, End, Flow, Policy, Solved};
+use crate::sqp::proximal_flow::{Advance, End, Flow, Policy};
 use crate::sqp::run::Run;
 
 /// Programs that a step, or the end where it is tried, may take: where they are more a
@@ -102,8 +103,8 @@ impl Policy for SnapThrough {
         run.is_spent()
     }
 
-    fn advance(&mut self, run: &mut Run<'_>, flow: &mut Flow, solved: Solved) -> Advance {
-        let ends = [&solved.before.displacement[..], &run.state.displacement];
+    fn advance(&mut self, run: &mut Run<'_>, flow: &mut Flow, before: &State) -> Advance {
+        let ends = [&before.displacement[..], &run.state.displacement];
         self.add_work(ends, flow);
         let ebbs = self.ebbs(ends, flow);
         match self.rest {
@@ -125,9 +126,9 @@ impl Policy for SnapThrough {
             ending.snapped = Some(self.snap(run));
         }
         match ending.cause {
-            _ if ending.termination != Termination::NotConverged => End::At(ending),
+            _ if ending.termination != Termination::NotConverged => End::At(ending.into()),
             // A well of the mesh, not of the body.
-            Some(Cause::InsideOut) => End::At(ending),
+            Some(Cause::InsideOut) => End::At(ending.into()),
             Some(Cause::UnstableEquilibrium) => {
                 self.leave_saddle(run, flow);
                 End::Elsewhere

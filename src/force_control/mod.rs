@@ -205,7 +205,7 @@ impl Balance {
     }
 
     /// The start behind obstacles that were led to the body and take `step` into it.
-    fn led(&mut self, run: &mut Run<'_>, step: Vec<f64>) -> Course {
+    fn led(&mut self, run: &Run<'_>, step: Vec<f64>) -> Course {
         self.drive = self.drive.carried_by(&run.state.drive);
         self.stiffness = None;
         self.tolerance = self.roughest().max(self.floor);

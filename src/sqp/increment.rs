@@ -130,7 +130,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
 impl Iterate {
     /// Solves a program as far as its linearisation is worth, and notes what that cost.
     fn solve_program(
-        &mut self,
+        &self,
         run: &mut Run<'_>,
         program: &mut QuadraticProgram<'_>,
         worst: f64,

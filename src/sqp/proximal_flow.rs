@@ -19,7 +19,7 @@ use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::proximal::{Proximal, mass};
 use crate::model::state::State;
-use crate::report::Termination;
+use crate::report::{Cause, Termination};
 
 /// What a step that was solved leads to.
 pub(crate) enum Advance {
@@ -28,13 +28,13 @@ pub(crate) enum Advance {
     /// The end, without the proximal term.
     End,
     /// Nowhere: the flow ends for that reason.
-    Nowhere(Ending),
+    Nowhere(Cause),
 }
 
 /// What trying the end has led to.
 pub(crate) enum End {
     /// The flow ends there.
-    At(Ending),
+    At(Box<Ending>),
     /// It is not there yet: another step, from where the end was tried.
     NotYet,
     /// Another step from where it has come to.
@@ -55,18 +55,10 @@ pub(crate) trait Policy {
     fn fail(&mut self, run: &Run<'_>, ending: &mut Ending) -> bool;
 
     /// Takes over a step from `before` that was solved, and chooses the next weight.
-    fn advance(&mut self, run: &mut Run<'_>, flow: &mut Flow, solved: Solved) -> Advance;
+    fn advance(&mut self, run: &mut Run<'_>, flow: &mut Flow, before: &State) -> Advance;
 
     /// Tries the end without the proximal term.
     fn end(&mut self, run: &mut Run<'_>, flow: &mut Flow, drive: &Drive) -> End;
-}
-
-/// A step that was solved.
-pub(crate) struct Solved {
-    /// Where it began.
-    pub(crate) before: State,
-    /// How it ended.
-    pub(crate) ending: Ending,
 }
 
 /// Where a flow is.
@@ -115,10 +107,14 @@ impl Flow {
                 continue;
             }
             failures = 0;
-            let ended = match policy.advance(run, &mut self, Solved { before, ending }) {
+            let ended = match policy.advance(run, &mut self, &before) {
                 Advance::Step => None,
                 Advance::End => self.end(run, drive, policy),
-                Advance::Nowhere(ending) => Some(ending),
+                Advance::Nowhere(cause) => Some(Ending {
+                    termination: Termination::NotConverged,
+                    cause: Some(cause),
+                    ..ending
+                }),
             };
             if let Some(ending) = ended {
                 return ending;
@@ -154,7 +150,7 @@ impl Flow {
     ) -> Option<Ending> {
         let before = run.state.clone();
         match policy.end(run, self, drive) {
-            End::At(ending) => return Some(ending),
+            End::At(ending) => return Some(*ending),
             End::NotYet => *run.state = before,
             End::Elsewhere => {}
         }

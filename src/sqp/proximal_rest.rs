@@ -8,12 +8,13 @@
 //! is no equilibrium. Non-dimensional. Cost: three to ten solves, of scenes that would fail.
 
 use super::increment::{residuals, solve as solve_at_once};
-use super::proximal_flow::{Advance, End, Flow, Policy, Solved};
+use super::proximal_flow::{Advance, End, Flow, Policy};
 use super::run::Run;
 use crate::linalg::vector::largest;
 use crate::model::conditions::Conditions;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
+use crate::model::state::State;
 use crate::report::{Attempt, Cause, Strategy, Termination};
 
 /// First t, in mu / L^2: M holds vertices and edges, rigid motions move vertices alone.
@@ -107,7 +108,7 @@ impl Policy for Rest {
         has_flown
     }
 
-    fn advance(&mut self, run: &mut Run<'_>, flow: &mut Flow, solved: Solved) -> Advance {
+    fn advance(&mut self, run: &mut Run<'_>, flow: &mut Flow, _: &State) -> Advance {
         let now = run.evaluate();
         let force = residuals(run.state, &now, 0.0).equilibrium;
         let share = force / std::mem::replace(&mut self.force, force);
@@ -121,11 +122,7 @@ impl Policy for Rest {
             flow.weight *= LIGHTER;
         }
         if self.unresisted == MOST_UNRESISTED {
-            return Advance::Nowhere(Ending {
-                termination: Termination::NotConverged,
-                cause: Some(Cause::NoEquilibrium),
-                ..solved.ending
-            });
+            return Advance::Nowhere(Cause::NoEquilibrium);
         }
         if force <= run.model.conditions.tolerance || force <= EBB * self.tried {
             Advance::End
@@ -137,9 +134,10 @@ impl Policy for Rest {
     fn end(&mut self, run: &mut Run<'_>, _: &mut Flow, drive: &Drive) -> End {
         self.tried = self.force;
         let ending = solve_at_once(run, drive);
-        match ending.termination {
-            Termination::NotConverged => End::NotYet,
-            _ => End::At(ending),
+        if ending.termination == Termination::NotConverged {
+            End::NotYet
+        } else {
+            End::At(ending.into())
         }
     }
 }
