@@ -1,4 +1,4 @@
-use signorini::report::{Cause, StepReport, Termination, Warning, WarningKind};
+use signorini::report::{Attempt, Cause, StepReport, Strategy, Termination, Warning, WarningKind};
 use signorini_proto::v1 as wire;
 
 use super::*;
@@ -19,6 +19,12 @@ fn filled() -> Arc<Metrics> {
     metrics.memory(Kind::Mesh, 1);
     metrics.increment(&StepReport {
         cause: Some(Cause::Stagnation),
+        attempts: vec![Attempt {
+            strategy: Strategy::Part,
+            cause: Some(Cause::Stagnation),
+            preconditioner_applications: 7,
+            followed_by: Some(Strategy::SmallerPart),
+        }],
         warnings: vec![Warning {
             kind: WarningKind::LargeStrain,
             subject: String::new(),
