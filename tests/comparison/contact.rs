@@ -145,7 +145,7 @@ fn the_seeds_method_takes_more_products_on_finer_meshes_and_secants_do_not() {
 }
 
 #[test]
-fn fixed_steps_in_the_mass_end_with_a_typed_outcome_and_a_useful_force() {
+fn fixed_steps_in_the_mass_end_with_a_typed_outcome_at_the_last_good_state() {
     let (mut scene, step) = hertz_plane(0.5);
     scene.solver.tolerance = 1e-10;
     let scene = with_method(&scene, "projected-arrow-hurwicz", "mass");
@@ -155,9 +155,8 @@ fn fixed_steps_in_the_mass_end_with_a_typed_outcome_and_a_useful_force() {
         (Termination::NotConverged, Some(Cause::IterationLimit))
     );
     assert_eq!((report.contact_products, report.cut_backs), (400, 0));
-    assert!(report.residuals.largest() < 1e-3, "{:?}", report.residuals);
-    let exact = reference_force("hertz-plane", "hemi_l1");
-    assert!(close(force(&report), exact, 1e-5), "{}", force(&report));
+    // An iterate that did not converge is kept no more.
+    assert!(force(&report).abs() < 1e-12, "{}", force(&report));
 }
 
 /// A block squeezed between a moved top and a floor.
