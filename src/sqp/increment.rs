@@ -10,7 +10,9 @@ use super::condensation::{self, inside};
 use super::predictor;
 use super::program::{QuadraticProgram, Step};
 use super::run::Run;
-use super::scales::{is_rounding, least_force, limit_gap_scale, raise_scales, touches};
+use super::scales::{
+    forget_scales, is_rounding, least_force, limit_gap_scale, raise_scales, touches,
+};
 use super::search::{Refused, leap, search};
 use super::verdict::{Verdict, of_status, verdict};
 use crate::linalg::vector::norm;
@@ -97,6 +99,7 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
 
 /// Moves the state to where the first program starts.
 fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
+    forget_scales(run);
     let known = run.state.load_behind(drive);
     let (now, first_force) = if run.model.is_rubber() {
         predictor::start(run, drive)

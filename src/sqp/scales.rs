@@ -5,6 +5,7 @@
 //! Cost: some products with C and one with the stiffness at rest.
 
 use super::run::Run;
+use crate::inequality::QpScales;
 use crate::linalg::vector::{dot, largest, norm, reproducible_noise};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
@@ -16,6 +17,16 @@ use crate::model::state::State;
 const LEAST_STRESS: [f64; 2] = [1e-11, 1e-9];
 /// Roundings that one entry of a force adds up.
 const ROUNDINGS: f64 = 8.0;
+
+/// Lets the scales of a body that nothing drives any more be those of a fresh one: what
+/// they have seen says nothing of what comes.
+pub(super) fn forget_scales(run: &mut Run<'_>) {
+    let state = &mut *run.state;
+    let is_loaded = state.drive.has_loads(run.model.plan) && state.drive.load != 0.0;
+    if !touches(state) && !is_loaded && !state.drive.moves_supports() {
+        state.scales = QpScales::default();
+    }
+}
 
 /// Whether any multiplier of contact is at work.
 pub(super) fn touches(state: &State) -> bool {

@@ -28,7 +28,7 @@ use crate::report::{Residuals, Termination};
 use crate::scene::ReportScope;
 use crate::sqp::increment;
 use crate::sqp::run::Run;
-use crate::sqp::scales::{limit_gap_scale, raise_scales};
+use crate::sqp::scales::{forget_scales, limit_gap_scale, raise_scales};
 use crate::sqp::verdict::Verdict;
 
 /// Steps of which one is answered on the whole body.
@@ -114,8 +114,9 @@ impl Response {
     }
 }
 
-/// Drives the state, and says what contact does there.
+/// Drives the state, and says what contact does there; scales forget what has passed.
 fn begin(run: &mut Run<'_>, drive: &Drive) -> Evaluation {
+    forget_scales(run);
     let held = run.state.displacement.clone();
     prescribe(&run.model, drive, &mut run.state.displacement);
     carry(&run.model, &held, &mut run.state.displacement);
