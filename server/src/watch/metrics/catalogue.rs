@@ -172,7 +172,7 @@ pub(super) const COUNTERS: [(&str, &str); 23] = [
     (CUT_BACKS, "Cut-backs inside increments."),
     (
         ATTEMPTS,
-        "Attempts inside increments that failed, by strategy, cause and what followed.",
+        "Attempts inside increments that failed, by strategy and what followed.",
     ),
     (FACTORISATIONS, "Factorisations of the P1 block."),
     (CACHE_HITS, "Meshes and prepared data found in the store."),

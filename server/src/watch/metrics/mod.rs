@@ -20,7 +20,7 @@ use metrics::{Counter, Gauge, Histogram, Key, Label, Level, Metadata, Recorder};
 use metrics_exporter_prometheus::{
     BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
 };
-use signorini::report::{Cause, Seconds, StepReport, Strategy, Termination};
+use signorini::report::{Seconds, StepReport, Strategy, Termination};
 
 pub(crate) use calls::{CallKind, Method, OpenCall};
 use catalogue::*;
@@ -122,15 +122,8 @@ impl Metrics {
         self.counter(CUT_BACKS, &[])
             .increment(report.cut_backs.into());
         for attempt in &report.attempts {
-            let labels = [
-                ("strategy", attempt.strategy.name()),
-                ("cause", attempt.cause.map_or("unknown", Cause::name)),
-                (
-                    "followed_by",
-                    attempt.followed_by.map_or("end", Strategy::name),
-                ),
-            ];
-            self.counter(ATTEMPTS, &labels).increment(1);
+            self.attempts(attempt.strategy, attempt.followed_by)
+                .increment(1);
         }
         self.counter(FACTORISATIONS, &[])
             .increment(report.factorisations.into());
@@ -156,6 +149,13 @@ impl Metrics {
                 self.histogram(name, &[]).record(f64::from(count));
             }
         }
+    }
+
+    /// Attempts with `strategy` that failed, by what followed.
+    fn attempts(&self, strategy: Strategy, followed_by: Option<Strategy>) -> Counter {
+        let next = followed_by.map_or("end", Strategy::name);
+        let labels = [("strategy", strategy.name()), ("followed_by", next)];
+        self.counter(ATTEMPTS, &labels)
     }
 
     /// An increment reached the ceiling of its step's time.

@@ -4,7 +4,7 @@
 //! failure would be lost to alerts; a panel of a series that is missing says "no data".
 
 use signorini::assembly::simd::InstructionSet;
-use signorini::report::{Cause, Seconds, Termination, WarningKind};
+use signorini::report::{Cause, Seconds, Strategy, Termination, WarningKind};
 
 use super::catalogue::*;
 use super::{Away, Kind, Metrics, SERVER_TIME_LIMIT, phases};
@@ -92,6 +92,12 @@ impl Metrics {
         for kind in WarningKind::ALL {
             self.counter(WARNINGS, &[("kind", kind.name())])
                 .increment(0);
+        }
+        for strategy in Strategy::ALL {
+            for next in Strategy::ALL {
+                self.attempts(strategy, Some(next)).increment(0);
+            }
+            self.attempts(strategy, None).increment(0);
         }
         for (phase, _) in phases(&Seconds::default()) {
             self.show_histogram(PHASE_SECONDS, &[("phase", phase)]);
