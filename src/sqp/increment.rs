@@ -35,6 +35,8 @@ const MOST_IDLE_AT_FINITE_STRAIN: u32 = 12;
 const MOST_LEAPS: u32 = 3;
 /// Level of a program over the tolerance: what the recomputed residual adds has room.
 const MARGIN: f64 = 0.95;
+/// The level over that of a program that took itself for solved, which it was not.
+const SHARPER: f64 = 0.3;
 /// First reduction asked of a program with a curved gap.
 const FIRST_REDUCTION: f64 = 1e-2;
 
@@ -48,6 +50,8 @@ struct Iterate {
     filter: Vec<[f64; 2]>,
     /// Share of the residual that the next program may leave.
     reduction: f64,
+    /// Level over the tolerance below which no program need go.
+    margin: f64,
     /// Least residual of a linear problem so far.
     least: f64,
     /// Programs since that have not halved it.
@@ -124,6 +128,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
         first_force,
         filter: Vec::new(),
         reduction: FIRST_REDUCTION,
+        margin: MARGIN,
         least: f64::INFINITY,
         idle: 0,
         leaps: 0,
@@ -133,7 +138,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
 impl Iterate {
     /// Solves a program as far as its linearisation is worth, and notes what that cost.
     fn solve_program(
-        &self,
+        &mut self,
         run: &mut Run<'_>,
         program: &mut QuadraticProgram<'_>,
         worst: f64,
@@ -145,12 +150,19 @@ impl Iterate {
         };
         let goal = share * worst;
         let before = run.counters.applications;
-        let (step, outcome) = program.solve(run, goal.max(MARGIN * run.model.conditions.tolerance));
+        let (step, outcome) =
+            program.solve(run, goal.max(self.margin * run.model.conditions.tolerance));
         let applications = run.counters.applications - before;
         if run.model.is_rubber() {
             let reached = goal.max(run.model.conditions.tolerance);
             run.learned.refresh.note(applications, worst, reached);
         }
+        // What no iteration was spent on comes again as it is unless more is asked.
+        self.margin = if applications == 0 {
+            SHARPER * self.margin
+        } else {
+            MARGIN
+        };
         (step, outcome.status)
     }
 
