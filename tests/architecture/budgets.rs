@@ -31,7 +31,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("scene", 3689, 20),
     ("session", 1841, 9),
     ("space", 190, 0),
-    ("sqp", 6329, 71),
+    ("sqp", 6360, 72),
     ("stability", 258, 5),
     ("verify", 1328, 8),
 ];
