@@ -17,7 +17,7 @@ suffix=
 case "${1:-}" in
     '') ;;
     --lean)
-        features=(--no-default-features --features "embedded comparisons")
+        features=(--no-default-features --features embedded)
         suffix=-lean
         ;;
     *)

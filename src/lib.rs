@@ -26,7 +26,7 @@
 //! | the problem | [`scene`] as data, its choices enums; [`plan`] resolved items, decisions with reasons; [`prepare`] what is expensive and shared |
 //! | the solver | `model` the body at a state, its residuals and tangent; `sqp` equilibrium under one drive: programs, search, what is learnt; `force_control` poses from forces; `stability`; `diagnosis` causes and where they lie; `continuation` the load path, and what follows a failure; [`session`] states that steps move |
 //! | the answer | `results` reports, fields, error estimates; `verify` the same residuals by an independent path |
-//! | beside it | `compare`, what the solver is compared with; only choosers name it, and it is built with the feature `comparisons` |
+//! | beside it | [`comparisons`] methods that a caller brings along: those that the solver is compared with are the crate `signorini-compare` |
 //!
 //! The wings never import each other, and no two files import each other in a circle;
 //! `tests/architecture` holds both.
@@ -117,8 +117,7 @@
 //!    clock for reports and deadlines only.
 //! 2. [`Prepared`] is never changed. A session changes its state, which is all that a
 //!    resumed session needs, and what it has learnt, which may be dropped.
-//! 3. The wings do not import each other; only `linalg` names faer; only choosers name
-//!    `compare`.
+//! 3. The wings do not import each other; only `linalg` names faer.
 //! 4. Displacement vectors are ordered vertices, then edges.
 //! 5. Every loop has a typed outcome, and every outcome keeps the best state.
 //! 6. What a scene does not use is absent from [`Prepared`].
@@ -183,11 +182,11 @@
 #![doc = include_str!("decisions/0056-curved-cells.md")]
 #![doc = include_str!("decisions/0057-planes-at-nodes.md")]
 #![doc = include_str!("decisions/0058-no-second-attempts.md")]
+#![doc = include_str!("decisions/0059-comparisons-in-a-crate.md")]
 #![doc = include_str!("decisions/0060-one-place-that-decides.md")]
 
 pub mod assembly;
-#[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]
-mod compare;
+pub mod comparisons;
 pub mod contact;
 mod continuation;
 mod diagnosis;
@@ -214,6 +213,7 @@ mod sqp;
 mod stability;
 mod verify;
 
+pub use comparisons::Comparisons;
 pub use mesh::{CellKind, EdgeOffset, Group, GroupKind, Mesh, MeshError, MeshId, MeshParts};
 pub use plan::{LeftOut, Plan, PlanEntry, PlanReport, PreparedKey};
 pub use prepare::{PrepareError, Prepared};

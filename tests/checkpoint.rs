@@ -16,7 +16,7 @@ use common::scenes::{
 };
 use common::{assert_converged, take, values};
 use signorini::report::Seconds;
-use signorini::scene::{Choice, ElementKind, ObstacleTarget};
+use signorini::scene::ObstacleTarget;
 use signorini::{
     CancelToken, CheckpointError, FieldName, Mesh, Plan, Prepared, Reuse, Scene, Session, Silent,
     Step, StepReport, StepRun,
@@ -76,19 +76,16 @@ struct Story {
 /// A name, and what sets the story up.
 type Named = (&'static str, fn() -> Story);
 
-const STORIES: [Named; 5] = [
-    ("linear-contact", || contact(ElementKind::TaylorHood)),
+const STORIES: [Named; 4] = [
+    ("linear-contact", contact),
     ("linear-contact-pushed", pushed),
-    ("linear-contact-mini", || contact(ElementKind::Mini)),
     ("rubber-under-a-sphere", rubber_under_a_sphere),
     ("rubber-twisted", rubber_twisted),
 ];
 
-fn contact(element: ElementKind) -> Story {
+fn contact() -> Story {
     let (mut scene, _) = hertz_sphere(0.5);
-    scene.solver.element = Choice::Named(element);
-    // Only the first element has a second path that recomputes its residuals.
-    scene.solver.verify = element == ElementKind::TaylorHood;
+    scene.solver.verify = true;
     let ball = |depth: f64| push("ball", [0.0, 0.0, -depth]);
     Story {
         ground: Ground::new(&scene, &file("indent_l1")),
@@ -112,7 +109,7 @@ fn pushed() -> Story {
         before: vec![push(0.004)],
         under_way: in_parts(push(0.0125), 3),
         after: vec![push(0.006)],
-        ..contact(ElementKind::TaylorHood)
+        ..contact()
     }
 }
 
@@ -249,11 +246,6 @@ fn linear_contact_goes_on_in_another_process_with_the_same_bits() {
 #[test]
 fn a_push_goes_on_in_another_process_with_the_same_bits() {
     goes_on_elsewhere("linear-contact-pushed");
-}
-
-#[test]
-fn another_element_goes_on_in_another_process_with_the_same_bits() {
-    goes_on_elsewhere("linear-contact-mini");
 }
 
 #[test]

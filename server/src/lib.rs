@@ -60,7 +60,7 @@ mod session;
 mod uploads;
 mod watch;
 
-pub use config::{Config, ConfigError, Flags, LogFormat, LogLevel, Settings};
+pub use config::{Compared, Config, ConfigError, Flags, LogFormat, LogLevel, Settings};
 pub use data::control::{BackupError, backup, restore};
 pub use data::fsck::{Fsck, fsck};
 pub use door::access::{AccessError, Entry, NewToken, Role, TokenFile};

@@ -35,7 +35,7 @@ impl CellStiffness for CellModuli {
 }
 
 /// Coupling of gradients `a` and `b` for unit volume.
-pub(crate) fn coupling(shear: f64, lame: f64, a: &[f64; 3], b: &[f64; 3]) -> Block {
+pub fn coupling(shear: f64, lame: f64, a: &[f64; 3], b: &[f64; 3]) -> Block {
     let product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let mut block = [[0.0; 3]; 3];
     for i in 0..3 {
@@ -52,7 +52,8 @@ fn transposed(block: &Block) -> Block {
     std::array::from_fn(|i| std::array::from_fn(|j| block[j][i]))
 }
 
-pub(crate) fn add(target: &mut Block, factor: f64, block: &Block) {
+/// Adds `factor` times a block to another.
+pub fn add(target: &mut Block, factor: f64, block: &Block) {
     for i in 0..3 {
         for j in 0..3 {
             target[i][j] += factor * block[i][j];

@@ -12,8 +12,6 @@ use crate::mesh::{Mesh, MeshParts, barycentric_gradients, samples};
 use crate::space::TaylorHood;
 
 mod curved;
-#[cfg(feature = "comparisons")]
-mod edges;
 mod loads;
 mod single;
 mod strain;

@@ -18,25 +18,25 @@ pub(crate) struct Blocks<'a> {
 /// The block with a dense metric: an exact constraint on a product of sets. There is
 /// one, because a second one would leave out how the two are coupled.
 #[derive(Clone, Copy)]
-pub(crate) struct ContactBlock<'a> {
+pub struct ContactBlock<'a> {
     /// C `[multipliers, displacement]`: the constraints.
-    pub(crate) rows: &'a dyn LinearOperator,
+    pub rows: &'a dyn LinearOperator,
     /// D `[multipliers, displacement]`: the forces, transposed; the same as `rows`
     /// where the problem is symmetric.
-    pub(crate) columns: &'a dyn LinearOperator,
+    pub columns: &'a dyn LinearOperator,
     /// Dense metric `[multipliers, multipliers]`, an approximation of the Schur
     /// complement of the block.
-    pub(crate) matrix: &'a dyn SymmetricMatrix,
+    pub matrix: &'a dyn SymmetricMatrix,
     /// Weights of the multipliers: the integrals of their functions, or empty for
     /// methods that read none.
-    pub(crate) weights: &'a [f64],
+    pub weights: &'a [f64],
     /// How many times stiffer than elsewhere the body is where each multiplier acts; empty
     /// where it is the same all over.
-    pub(crate) moduli: &'a [f64],
+    pub moduli: &'a [f64],
     /// Modes that contact shares with the first block.
-    pub(crate) shared: Option<&'a SharedModes>,
+    pub shared: Option<&'a SharedModes>,
     /// The product of sets in which the multipliers lie.
-    pub(crate) set: ProductSet<'a>,
+    pub set: ProductSet<'a>,
 }
 
 impl<'a> Blocks<'a> {

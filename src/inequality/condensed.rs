@@ -33,11 +33,11 @@ const EXHAUSTED: f64 = 1e-8;
 const DIVERGED: f64 = 1e6;
 
 /// What a unit step along a change of the multiplier does.
-pub(crate) struct Response {
+pub struct Response {
     /// The change d of the multiplier `[multipliers]`.
-    pub(crate) direction: Vec<f64>,
+    pub direction: Vec<f64>,
     /// K d, by how much the gap opens along d `[multipliers]`.
-    pub(crate) opening: Vec<f64>,
+    pub opening: Vec<f64>,
     /// Change of the displacement and of the equality unknowns, one after the other.
     unknowns: Vec<f64>,
     /// Change of the force residual, then of the constraint.
@@ -48,7 +48,7 @@ pub(crate) struct Response {
 }
 
 /// A problem under way.
-pub(crate) struct Condensed<'c, 'a, 'b> {
+pub struct Condensed<'c, 'a, 'b> {
     /// The whole problem with all its blocks.
     problem: &'c QpProblem<'c>,
     /// Equalities and contact of the problem, told apart.
@@ -72,7 +72,7 @@ pub(crate) struct Condensed<'c, 'a, 'b> {
 impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
     /// Settles `iterate` under its multiplier and takes steps until it is solved, a
     /// step fails or the products are spent.
-    pub(crate) fn solve(
+    pub fn solve(
         problem: &'c QpProblem<'c>,
         run: &'c mut QpRun<'a, 'b>,
         most_products: u32,
@@ -219,7 +219,7 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
     ///
     /// # Errors
     /// Why the inner solve failed.
-    pub(crate) fn product(&mut self, direction: Vec<f64>) -> Result<Response, QpStatus> {
+    pub fn product(&mut self, direction: Vec<f64>) -> Result<Response, QpStatus> {
         let [least, most] = ACCURACIES;
         let accuracy = (INNER * self.run.targets.level / self.relative).clamp(least, most);
         let unknowns = self.problem.stiffness.rows();
@@ -244,7 +244,7 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
     }
 
     /// Moves `iterate` along a response.
-    pub(crate) fn advance(&mut self, iterate: &mut QpIterate, response: Response, length: f64) {
+    pub fn advance(&mut self, iterate: &mut QpIterate, response: Response, length: f64) {
         let place = self.blocks.place();
         advance_equalities(iterate, place, &response.unknowns, length);
         let (force, mut rest) = response.residual.split_at(iterate.force.len());
@@ -270,11 +270,7 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
     ///
     /// # Errors
     /// Why the inner solve failed.
-    pub(crate) fn shift(
-        &mut self,
-        iterate: &mut QpIterate,
-        change: &[f64],
-    ) -> Result<(), QpStatus> {
+    pub fn shift(&mut self, iterate: &mut QpIterate, change: &[f64]) -> Result<(), QpStatus> {
         let mut load = self.run.work.zeros(iterate.force.len());
         let columns = self.blocks.contact.columns;
         columns.apply_transposed(change, &mut load, self.run.work);
@@ -286,12 +282,12 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
     }
 
     /// The block of contact.
-    pub(crate) fn contact(&self) -> ContactBlock<'c> {
+    pub fn contact(&self) -> ContactBlock<'c> {
         self.blocks.contact
     }
 
     /// Place of contact among the blocks of the iterate.
-    pub(crate) fn place(&self) -> usize {
+    pub fn place(&self) -> usize {
         self.blocks.place()
     }
 

@@ -14,7 +14,7 @@ mod pivot;
 mod sweep;
 mod uniqueness;
 
-pub(crate) use friction::cones;
+pub use friction::cones;
 pub(super) use friction::newton_face;
 pub use uniqueness::{Uniqueness, uniqueness};
 

@@ -11,7 +11,7 @@ use crate::saddle::ProductSet;
 pub const POWER_STEPS: usize = 5;
 
 /// argmin { 1/2 |x - l|_H^2 + gap.x : x in the set } and what each x does.
-pub(crate) fn nearest(
+pub fn nearest(
     metric: &dyn SymmetricMatrix,
     set: ProductSet<'_>,
     contact: &BlockIterate,

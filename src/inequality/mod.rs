@@ -10,10 +10,11 @@
 //! Bounds are products of lines and half lines: contact and bilateral supports.
 
 pub mod augmentation;
-pub(crate) mod blocks;
-pub(crate) mod condensed;
+pub mod blocks;
+pub mod condensed;
 pub mod dense_cone;
 pub mod factorised;
+pub mod linear;
 pub mod metric;
 pub mod mprgp;
 pub mod one_level;
@@ -21,6 +22,7 @@ pub mod qp;
 
 pub use augmentation::Augmentation;
 pub use factorised::{BodyFactor, FactorStep, Inertia, Matrices, inertia};
+pub use linear::{LinearSolver, LinearSystem};
 pub use one_level::OneLevel;
 pub(crate) use one_level::augmented::Augmented;
 pub(crate) use one_level::slides_of;
@@ -38,6 +40,3 @@ pub trait InequalitySolver {
 
 #[cfg(test)]
 mod samples;
-#[cfg(feature = "comparisons")]
-#[cfg(test)]
-mod tests;

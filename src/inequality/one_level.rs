@@ -55,7 +55,7 @@ const GAP_WEIGHT: f64 = 10.0;
 /// they are far from those of the face, and the dense problem in the metric is asked.
 const NEAR: f64 = 0.1;
 /// How the next face follows from an iterate that the present one has led to.
-pub(crate) trait FaceRule {
+pub trait FaceRule {
     /// The next face, with the values of the multipliers that are no unknowns on it.
     ///
     /// # Errors
@@ -91,9 +91,9 @@ impl FaceRule for DenseProblem {
 /// The method on a problem.
 pub struct OneLevel<'a> {
     /// The quadratic program; its contact block has a dense metric.
-    pub(crate) problem: QpProblem<'a>,
+    pub problem: QpProblem<'a>,
     /// The rule by which the next face follows from an iterate.
-    pub(crate) rule: &'static dyn FaceRule,
+    pub rule: &'static dyn FaceRule,
 }
 
 impl<'a> OneLevel<'a> {

@@ -11,7 +11,7 @@
 
 use super::Plan;
 use crate::precond::p_multigrid::Smoothing;
-use crate::scene::{DisplacementMethod, ElementKind, SaddleMethod};
+use crate::scene::{DisplacementMethod, SaddleMethod};
 
 /// gamma of rubber, in units of the shear modulus.
 pub(crate) const VOLUMETRIC: f64 = 2.0 / 3.0;
@@ -37,7 +37,6 @@ impl Plan {
         self.is_mixed()
             && !self.resolved.is_rubber()
             && self.displacement == DisplacementMethod::PMultigrid
-            && self.element == ElementKind::TaylorHood
             && self.penalty() == 0.0
             && self.contrast() <= MOST_CONTRAST
     }

@@ -7,8 +7,7 @@
 use crate::linalg::cholesky::Precision;
 use crate::plan::Plan;
 use crate::report::Unknowns;
-use crate::scene::ToleranceRule;
-use crate::scene::{ElementKind, P1Solver};
+use crate::scene::{P1Solver, ToleranceRule};
 
 /// Vertices of the cube that the other figures were measured on.
 const CUBE_VERTICES: f64 = 4096.0;
@@ -23,10 +22,6 @@ const CERTIFICATE_VECTORS: u64 = 40;
 /// Bytes per cell of the matrix-free operator in both precisions and of the geometry it is made
 /// from.
 const CELL_BYTES: u64 = 400;
-
-/// Bytes per cell of the assembled matrices of a comparison element and of what
-/// they are made from.
-const ENRICHED_CELL_BYTES: u64 = 3000;
 
 /// Entries of the factor of a saddle point over those of a P1 stiffness of that size: 3.9
 /// million for 6934 unknowns of a cube, 4.8 million for 7605.
@@ -139,10 +134,6 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
     };
     let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure) + steps;
     let blocks = plan.unknowns.displacement * components;
-    let cell_bytes = match plan.element {
-        ElementKind::TaylorHood => CELL_BYTES,
-        ElementKind::Mini | ElementKind::BernardiRaugel => ENRICHED_CELL_BYTES,
-    };
     let edge_block = if plan.displacement.is_hierarchical() {
         EDGE_BLOCK_BYTES * plan.cells as u64
     } else {
@@ -150,7 +141,7 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
     };
     p1_solver(plan, vertices).0 as u64
         + 8 * (dense + vectors + blocks)
-        + cell_bytes * plan.cells as u64
+        + CELL_BYTES * plan.cells as u64
         + edge_block
         + 200 * vertices
         + plan.rubber_bytes(vertices)

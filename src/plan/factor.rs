@@ -1,15 +1,13 @@
 //! When a factor of the body costs no more than iterations.
 
 use super::{Plan, estimate};
-use crate::scene::{ContactMethod, ElementKind};
+use crate::scene::ContactMethod;
 
 impl Plan {
     /// Krylov iterations that cost as much as a factor of the body with the compliance of its
     /// contact; none where the scene names a method or the factor is large.
     pub(crate) fn factor_cost(&self) -> Option<u32> {
-        let takes_one = self.element == ElementKind::TaylorHood
-            && self.names_no_method()
-            && self.contact.method == ContactMethod::OneLevel;
+        let takes_one = self.names_no_method() && self.contact.method == ContactMethod::OneLevel;
         let price = estimate::factor_cost(self.units.dimension, self.unknowns);
         price.filter(|_| takes_one)
     }

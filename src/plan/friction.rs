@@ -4,7 +4,7 @@
 use super::Plan;
 use super::surfaces::ContactLayout;
 use crate::scene::validate::ResolvedObstacle;
-use crate::scene::{ElementKind, ObstacleTarget, SceneError, Step, Violation};
+use crate::scene::{ObstacleTarget, SceneError, Step, Violation};
 
 impl Plan {
     /// Refuses friction on an obstacle that has none in the scene and its steps: tractions
@@ -39,20 +39,6 @@ pub(super) fn roughen(obstacles: &mut [ResolvedObstacle], steps: &[Step]) {
             obstacle.is_rough = true;
         }
     }
-}
-
-/// Refuses what does not know friction.
-///
-/// # Errors
-/// [`SceneError::Unsupported`] with the key.
-pub(super) fn check_rough(element: ElementKind) -> Result<(), SceneError> {
-    if element == ElementKind::TaylorHood {
-        return Ok(());
-    }
-    Err(SceneError::Unsupported(Violation {
-        path: "solver.element".to_owned(),
-        message: "friction comes with `taylor-hood` only".to_owned(),
-    }))
 }
 
 /// Number of tractions of friction: one or two at each multiplier of a rough obstacle.

@@ -12,7 +12,8 @@ impl Plan {
     pub fn key(&self) -> PreparedKey {
         let mut hash = Sha256::new();
         hash.update(self.mesh_id.as_bytes());
-        hash.update([self.element.number()]);
+        // Where other elements once had their numbers.
+        hash.update([0]);
         hash.update([u8::from(self.resolved.mixed), self.smoother_degree as u8]);
         hash.update([u8::from(self.is_floating()), self.p1.solver as u8]);
         hash.update([self.displacement as u8]);

@@ -7,7 +7,7 @@
 //! and groups.
 
 pub(crate) mod augmentation;
-mod chooser;
+mod compared;
 pub(crate) mod contact;
 pub(crate) mod displacement;
 mod doubts;
@@ -22,7 +22,6 @@ mod near;
 mod overlap;
 pub(crate) mod p1;
 mod poses;
-mod push;
 mod reach;
 mod report;
 pub(crate) mod response;
@@ -35,13 +34,15 @@ mod tools;
 mod true_surface;
 mod units;
 
+use std::sync::Arc;
+
+use crate::comparisons::Comparisons;
 use crate::linalg::cholesky::Precision;
 use crate::mesh::{EdgeOffset, Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, ResolvedObstacle, build, resolve};
 use crate::scene::{
-    ContactSpace, DisplacementMethod, ElementKind, MetricKind, ReportScope, Scene, SceneError,
-    Step, Violation,
+    ContactSpace, DisplacementMethod, MetricKind, ReportScope, Scene, SceneError, Step, Violation,
 };
 use crate::space::TaylorHood;
 
@@ -77,8 +78,6 @@ pub struct Plan {
     pub(crate) mesh_id: MeshId,
     /// Number of unknowns by kind.
     pub(crate) unknowns: Unknowns,
-    /// Spaces of displacement and pressure.
-    pub(crate) element: ElementKind,
     /// Number of mesh vertices.
     pub(crate) vertices: usize,
     /// Number of mesh cells.
@@ -125,6 +124,8 @@ pub struct Plan {
     pub(crate) tools: Vec<PlanEntry>,
     /// Sentences about what the caller should know, for reports of the plan.
     pub(crate) warnings: Vec<String>,
+    /// Methods beside the solver's own, where the caller brought them.
+    pub(crate) comparisons: Option<Arc<dyn Comparisons>>,
 }
 
 impl Plan {
@@ -134,8 +135,21 @@ impl Plan {
     /// [`SceneError`] with the path of every faulty key, or of the first one
     /// that this version does not support.
     pub fn new(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Self, SceneError> {
+        Self::with_comparisons(scene, steps, mesh, None)
+    }
+
+    /// The same for scenes that may name methods of `comparisons`, too.
+    ///
+    /// # Errors
+    /// As [`Plan::new`].
+    pub fn with_comparisons(
+        scene: &Scene,
+        steps: &[Step],
+        mesh: &Mesh,
+        comparisons: Option<Arc<dyn Comparisons>>,
+    ) -> Result<Self, SceneError> {
         let (resolved, obstacles) = resolve(scene, steps, mesh)?;
-        chooser::check(&scene.solver)?;
+        compared::check(&scene.solver, comparisons.as_deref())?;
         let units = usable_units(scene, &resolved, mesh)?;
         let mut obstacles = build(obstacles, units.length)?;
         let fitted = true_surface::fitted(mesh, &obstacles);
@@ -143,9 +157,8 @@ impl Plan {
         overlap::refuse((&scene.obstacles, &obstacles), (mesh, &units))?;
         friction::roughen(&mut obstacles, steps);
         let space = TaylorHood::new(mesh);
-        let element = element::choose(scene.solver.element);
-        push::check_pushes(element, steps)?;
-        let contact_space = contact_space(scene, element);
+        let natural = ContactSpace::Quadratic;
+        let contact_space = scene.solver.contact_space.named().unwrap_or(natural);
         let held = held_unknowns(&resolved, mesh, &space);
         let held_nodes = held_nodes::held_nodes(&resolved, (mesh, &space), &held);
         let body = surfaces::Body {
@@ -158,19 +171,15 @@ impl Plan {
             friction::tangential_multipliers(&obstacles, &surfaces.layouts, units.dimension);
         let unknowns = Unknowns {
             contact: (surfaces.contacts + tangential + surfaces.guided) as u64,
-            ..element.unknowns(mesh, &resolved)
+            ..element::unknowns(&space, &resolved)
         };
-        if tangential > 0 {
-            friction::check_rough(element)?;
-        }
         let sizes = ContactSizes {
             dimension: units.dimension as u64,
             multipliers: unknowns.contact,
             vertices: surfaces.vertices.len() as u64,
             needs_one_level: !resolved.free_modes.is_empty()
                 || surfaces.guided > 0
-                || tangential > 0
-                || !matches!(element, ElementKind::TaylorHood),
+                || tangential > 0,
             is_rough: tangential > 0,
             known: None,
         };
@@ -221,7 +230,7 @@ impl Plan {
             units,
             mesh_id: mesh.id(),
             unknowns,
-            element,
+            comparisons,
             vertices: space.vertices,
             cells: mesh.cell_count(),
             held,
@@ -348,16 +357,6 @@ fn usable_units(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Result<Units
             units.stress
         ),
     }]))
-}
-
-/// The functions of the contact pressure: quadratic ones where the displacement is,
-/// unless the scene asks for others.
-fn contact_space(scene: &Scene, element: ElementKind) -> ContactSpace {
-    let natural = match element {
-        ElementKind::TaylorHood => ContactSpace::Quadratic,
-        ElementKind::Mini | ElementKind::BernardiRaugel => ContactSpace::Linear,
-    };
-    scene.solver.contact_space.named().unwrap_or(natural)
 }
 
 /// The method of the linear systems, from what both preconditioners ask of it.

@@ -7,7 +7,7 @@
 use super::{Plan, estimate};
 use crate::linalg::cholesky::Precision;
 use crate::report::Unknowns;
-use crate::scene::{ElementKind, MetricKind, P1Solver, SurfaceGeometry};
+use crate::scene::{MetricKind, P1Solver, SurfaceGeometry};
 
 /// One decision.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -100,15 +100,7 @@ impl Plan {
                 "it costs as much by then; later programs begin with it",
             );
         }
-        if self.element != ElementKind::TaylorHood {
-            push(
-                "displacement_preconditioner",
-                "bubbles, P1 solver, bubbles (block Gauss-Seidel)".into(),
-                "the element is P1 with bubbles",
-            );
-        } else {
-            self.push_smoother(&mut push);
-        }
+        self.push_smoother(&mut push);
         push("p1_solver", self.p1_name(), &self.p1.reason);
         let has_multipliers = self.unknowns.pressure + self.unknowns.contact > 0;
         let mut method = self.saddle.method.describe(has_multipliers).to_owned();

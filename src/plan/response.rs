@@ -3,7 +3,7 @@
 //! taken so many steps that what it saves has paid for the factor, if that is small.
 
 use super::{Plan, estimate};
-use crate::scene::{ElementKind, ReportScope, ResponseMethod};
+use crate::scene::{ReportScope, ResponseMethod};
 
 /// Bytes of the largest response that is made unasked.
 const MOST_UNASKED: f64 = 6.4e7;
@@ -196,10 +196,6 @@ impl Plan {
 fn hindrance(plan: &Plan) -> Option<String> {
     let reasons = [
         (plan.normal_multipliers() == 0, "no obstacle"),
-        (
-            plan.element != ElementKind::TaylorHood,
-            "the element is another",
-        ),
         (plan.resolved.is_rubber(), "the body is not linear"),
         (plan.has_friction(), "friction depends on the way"),
         (plan.is_floating(), "supports leave rigid modes"),

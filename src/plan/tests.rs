@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Plan;
+use crate::comparisons::Comparisons;
 use crate::krylov::cg::Cg;
 use crate::krylov::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::{dot, norm, reproducible_noise};
@@ -10,11 +11,9 @@ use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 use crate::mesh::{Mesh, samples};
 use crate::prepare::TaylorHoodData as Prepared;
 use crate::report::CancelToken;
-#[cfg(feature = "comparisons")]
-use crate::scene::{Choice, DisplacementMethod, P1Solver, SaddleMethod};
 use crate::scene::{
-    Formulation, Material, MaterialModel, Modulus, Obstacle, Profile, Scene, Shape, Support,
-    Traction,
+    Choice, DisplacementMethod, Formulation, Material, MaterialModel, Modulus, Obstacle, P1Solver,
+    Profile, SaddleMethod, Scene, Shape, Support, Traction,
 };
 
 fn scene(poisson_ratio: f64) -> Scene {
@@ -82,8 +81,15 @@ fn with_floor(mut scene: Scene) -> Scene {
     scene
 }
 
+/// Methods of which a plan knows the names alone.
+#[derive(Debug)]
+struct Names;
+
+impl Comparisons for Names {}
+
 fn plan(scene: &Scene, mesh: &Mesh) -> Plan {
-    Plan::new(scene, &[], mesh).expect("a valid scene")
+    let names = Some(Arc::new(Names) as Arc<dyn Comparisons>);
+    Plan::with_comparisons(scene, &[], mesh, names).expect("a valid scene")
 }
 
 fn prepare(scene: &Scene, mesh: Mesh) -> Prepared {
@@ -155,39 +161,6 @@ fn the_displacement_preconditioner_is_symmetric_and_positive() {
 }
 
 #[test]
-#[cfg(feature = "comparisons")]
-fn hierarchical_preconditioners_for_conjugate_gradients_are_symmetric_and_positive() {
-    for name in ["hierarchical-ssor", "hierarchical-additive"] {
-        for mesh in [samples::cube(3), samples::rectangle(5, 4)] {
-            let mut scene = clamped(0.3);
-            scene.solver.displacement_preconditioner = name.parse().expect("a method");
-            let prepared = prepare(&scene, mesh);
-            let x = noise(&prepared);
-            let mut y: Vec<f64> = x.iter().rev().copied().collect();
-            prepared
-                .held
-                .entries
-                .iter()
-                .for_each(|&index| y[index as usize] = 0.0);
-            let apply = |r: &[f64]| {
-                let mut z = vec![f64::NAN; r.len()];
-                prepared
-                    .at_rest
-                    .displacement
-                    .apply(r, &mut z, &mut Workspace::new());
-                z
-            };
-            let (ax, ay) = (apply(&x), apply(&y));
-            let (left, right) = (dot(&ax, &y), dot(&ay, &x));
-            // To the rounding of a factor in single precision.
-            assert!((left - right).abs() < 1e-4 * dot(&ax, &x), "{left} {right}");
-            assert!(dot(&ax, &x) > 0.0 && dot(&ay, &y) > 0.0);
-        }
-    }
-}
-
-#[test]
-#[cfg(feature = "comparisons")]
 fn methods_and_penalty_have_keys_of_their_own() {
     let mesh = samples::cube(2);
     let base = plan(&clamped(0.5), &mesh).key();
@@ -405,13 +378,4 @@ fn assert_predicted(scene: &Scene) {
 fn predicted_bytes_bound_the_prepared_data() {
     assert_predicted(&clamped(0.5));
     assert_predicted(&with_floor(clamped(0.5)));
-}
-
-#[test]
-#[cfg(feature = "comparisons")]
-fn predicted_bytes_bound_the_data_of_comparison_methods() {
-    let mut scene = clamped(0.5);
-    scene.solver.displacement_preconditioner = Choice::Named(DisplacementMethod::HierarchicalSsor);
-    scene.solver.p1_solver = Choice::Named(P1Solver::IcCg);
-    assert_predicted(&scene);
 }

@@ -8,6 +8,7 @@ use crate::assembly::grid::{Basis, SingleGrid, VolumeTerm};
 use crate::assembly::p1_stiffness::CellStiffness;
 use crate::assembly::strain::{CellTangents, SingleTangent, TangentProducts, TangentStiffness};
 use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, SingleStiffness, Stiffness};
+use crate::comparisons::SplitBody;
 use crate::linalg::{Held, LinearOperator, Preconditioner, ResidualUpdate};
 use crate::mesh::Mesh;
 use crate::plan::augmentation::VOLUMETRIC;
@@ -46,6 +47,20 @@ impl DisplacementBody<'_> {
     /// A in the given basis.
     pub(crate) fn stiffness(&self, basis: Basis) -> Constrained<Stiffness> {
         self.linear(basis, VolumeTerm::Own)
+    }
+
+    /// The linear body by vertices and edges.
+    pub(crate) fn split(&self) -> SplitBody<'_> {
+        SplitBody {
+            mesh: self.mesh,
+            geometry: self.geometry,
+            moduli: self.moduli,
+            held: self.held,
+            components: self.space.components,
+            vertices: self.space.vertices,
+            stiffness: Arc::new(self.stiffness(Basis::Hierarchical)),
+            p1: self.p1.clone(),
+        }
     }
 
     fn linear(&self, basis: Basis, volume: VolumeTerm) -> Constrained<Stiffness> {

@@ -8,10 +8,10 @@
 use std::sync::Arc;
 
 use super::bodies::DisplacementBody;
-use super::chooser;
 use crate::assembly::grid::Basis;
 use crate::assembly::node_couplings::node_couplings;
 use crate::assembly::p1_stiffness::{RIGID, project_couplings};
+use crate::comparisons::Comparisons;
 use crate::linalg::cholesky::Precision;
 use crate::linalg::{LinearOperator, Preconditioner, Widened};
 use crate::mesh::Mesh;
@@ -35,7 +35,9 @@ pub(crate) struct Built {
 
 /// The preconditioner that `plan` chose.
 pub(crate) fn build(plan: &Plan, body: &DisplacementBody<'_>) -> Built {
-    match chooser::displacement(plan.displacement, body) {
+    let comparisons = plan.comparisons.as_ref();
+    let other = |all: &Arc<dyn Comparisons>| all.displacement(plan.displacement, &body.split());
+    match comparisons.and_then(other) {
         Some((preconditioner, bytes)) => Built {
             preconditioner,
             bytes,

@@ -4,11 +4,9 @@
 mod about;
 mod approximate_inverse;
 pub(crate) mod bodies;
-mod chooser;
 mod coarse_pressures;
 mod deformed;
 pub(crate) mod displacement;
-mod element_chooser;
 mod error;
 pub(crate) mod moduli;
 mod of_sessions;
@@ -26,22 +24,12 @@ use crate::report::{CancelToken, Seconds};
 
 pub(crate) use approximate_inverse::ApproximateInverse;
 pub(crate) use deformed::Deformed;
-use element_chooser::ComparisonData;
 pub use error::PrepareError;
 pub(crate) use taylor_hood::TaylorHoodData;
 
 /// Prepared data.
 #[derive(Debug)]
-pub struct Prepared(PreparedBody);
-
-/// By element.
-#[derive(Clone, Debug)]
-pub(crate) enum PreparedBody {
-    /// The solver's own.
-    TaylorHood(Arc<TaylorHoodData>),
-    /// One that it is compared with.
-    Comparison(Arc<ComparisonData>),
-}
+pub struct Prepared(Arc<TaylorHoodData>);
 
 impl Prepared {
     /// Builds the data of `plan`.
@@ -53,26 +41,23 @@ impl Prepared {
         mesh: &Arc<Mesh>,
         cancel: &CancelToken,
     ) -> Result<Self, PrepareError> {
-        element_chooser::body(plan, mesh, cancel).map(Self)
+        let mesh = plan.body_mesh(mesh);
+        let data = TaylorHoodData::build(plan, &mesh, cancel)?;
+        Ok(Self(Arc::new(data)))
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        match &self.0 {
-            PreparedBody::TaylorHood(data) => data.bytes(),
-            PreparedBody::Comparison(data) => data.bytes(),
-        }
+        self.0.bytes()
     }
 
     /// Wall seconds that building took; `prepare` is what is not named apart.
     pub fn seconds(&self) -> Seconds {
-        match &self.0 {
-            PreparedBody::TaylorHood(data) => data.seconds(),
-            PreparedBody::Comparison(data) => data.seconds(),
-        }
+        self.0.seconds()
     }
 
-    pub(crate) fn body(&self) -> PreparedBody {
+    /// The data themselves.
+    pub(crate) fn data(&self) -> Arc<TaylorHoodData> {
         self.0.clone()
     }
 }

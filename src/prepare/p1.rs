@@ -12,11 +12,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::bodies::P1Body;
-use super::chooser;
 use super::error::PrepareError;
 use super::traces::TraceDirections;
 use crate::assembly::p1_stiffness::project_couplings;
 use crate::assembly::p1_stiffness::{P1Blocks, StiffCells};
+use crate::comparisons::Comparisons;
 use crate::linalg::cholesky::Precision;
 use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner};
 use crate::plan::Plan;
@@ -88,7 +88,9 @@ pub(crate) fn build(
         vertices: &directions.vertices,
         directions: &directions.directions,
     };
-    let mut built = match chooser::p1(plan.p1.solver, &vertex_blocks(body, &blocks)) {
+    let comparisons = plan.comparisons.as_ref();
+    let other = |all: &Arc<dyn Comparisons>| all.p1(plan.p1.solver, &vertex_blocks(body, &blocks));
+    let mut built = match comparisons.and_then(other) {
         // Scenes with contact are refused those: they give no compliance.
         Some((solver, bytes)) => {
             let none = DenseMatrix::zeros(0, 0);

@@ -8,7 +8,6 @@
 
 pub(crate) mod body;
 pub(crate) mod checkpoint;
-mod chooser;
 mod step_run;
 mod taylor_hood;
 
@@ -29,7 +28,8 @@ use crate::scene::validate::check_step;
 use crate::scene::{SceneError, Step};
 use crate::sqp::learned::Learned;
 use crate::sqp::watch::Watch;
-use body::{Advanced, Body, Increment};
+use body::{Advanced, Increment};
+use taylor_hood::TaylorHoodBody;
 
 use checkpoint::Checkpoint;
 
@@ -40,8 +40,8 @@ pub use step_run::{Reuse, StepRun};
 /// A state that load steps move.
 #[derive(Debug)]
 pub struct Session {
-    /// The body on its obstacles, of whatever element.
-    body: Box<dyn Body>,
+    /// The body on its obstacles.
+    body: TaylorHoodBody,
     /// The checkpoint: all that a resumed session needs.
     state: State,
     /// What earlier programs have taught the solver; droppable.
@@ -73,7 +73,8 @@ impl Session {
     /// A session in the undeformed state.
     pub fn new(plan: Arc<Plan>, mesh: Arc<Mesh>, prepared: Arc<Prepared>, reuse: Reuse) -> Self {
         let start = std::time::Instant::now();
-        let body = chooser::body(plan.clone(), mesh, &prepared);
+        let mesh = plan.body_mesh(&mesh);
+        let body = TaylorHoodBody::new(plan.clone(), mesh, prepared.data());
         let own = start.elapsed().as_secs_f64();
         let shared = body.shared();
         let (mut preparation, reused) = match reuse {
@@ -225,7 +226,6 @@ impl Session {
     /// [`SceneError`] with the path of every faulty key.
     pub fn check_step(&self, step: &Step) -> Result<(), SceneError> {
         check_step(self.plan().scene(), step, self.body.mesh())?;
-        self.plan().check_pushes(step)?;
         self.plan().check_turned_planes(step)?;
         self.plan().check_friction(step)
     }

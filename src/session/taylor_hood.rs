@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::body::{Advanced, Body, Increment, Shared};
+use super::body::{Advanced, Increment, Shared};
 use crate::continuation;
 use crate::diagnosis::site::locate;
 use crate::linalg::Workspace;
@@ -94,16 +94,19 @@ impl TaylorHoodBody {
     }
 }
 
-impl Body for TaylorHoodBody {
-    fn plan(&self) -> &Plan {
+impl TaylorHoodBody {
+    /// The plan that the body follows.
+    pub(super) fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    fn mesh(&self) -> &Mesh {
+    /// The mesh of the plan.
+    pub(super) fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    fn shared(&self) -> Shared {
+    /// Bytes, seconds and names of the prepared data.
+    pub(super) fn shared(&self) -> Shared {
         Shared {
             bytes: self.prepared.bytes(),
             seconds: self.prepared.seconds(),
@@ -111,11 +114,14 @@ impl Body for TaylorHoodBody {
         }
     }
 
-    fn bytes(&self) -> u64 {
+    /// Bytes that the body holds for this session alone.
+    pub(super) fn bytes(&self) -> u64 {
         8 * self.load.len() as u64
     }
 
-    fn advance<'a>(
+    /// Moves the state towards equilibrium under `goal`. An increment that something
+    /// from outside stopped before any part of it converged leaves the state `before`.
+    pub(super) fn advance<'a>(
         &'a self,
         mut increment: Increment<'a>,
         goal: &Drive,
@@ -143,16 +149,20 @@ impl Body for TaylorHoodBody {
         }
     }
 
-    fn complete<'a>(&'a self, mut at: Increment<'a>) -> Workspace {
+    /// Makes the state that of the whole body, and hands the scratch vectors back.
+    pub(super) fn complete<'a>(&'a self, mut at: Increment<'a>) -> Workspace {
         inside::complete(&mut self.run(&mut at));
         at.work
     }
 
-    fn exerted(&self, state: &State) -> Vec<[f64; 6]> {
+    /// What each obstacle exerts on the body at `state`: forces, then moments about the
+    /// reference points `[obstacles][6]`, in the caller's units.
+    pub(super) fn exerted(&self, state: &State) -> Vec<[f64; 6]> {
         exerted(&self.model(), state)
     }
 
-    fn report(&self, state: &State, advanced: &mut Advanced) -> StepReport {
+    /// The report of an increment, without what only the session knows.
+    pub(super) fn report(&self, state: &State, advanced: &mut Advanced) -> StepReport {
         let model = Model {
             conditions: self.conditions(advanced.slip_start.clone()),
             ..self.model()
@@ -181,12 +191,19 @@ impl Body for TaylorHoodBody {
         report
     }
 
-    fn count_preparation(&self, report: &mut StepReport) {
+    /// Adds to a report what building the prepared data took beside seconds.
+    pub(super) fn count_preparation(&self, report: &mut StepReport) {
         report.eigenvalue_applications += LANCZOS_STEPS as u32;
         report.compliance_columns = self.prepared.at_rest.compliance.columns() as u32;
     }
 
-    fn field(&self, (state, learned): (&State, &Learned), name: FieldName) -> Option<FieldData> {
+    /// A field of `state` with what the solver has learnt on the way there; none if the scene has
+    /// no such field.
+    pub(super) fn field(
+        &self,
+        (state, learned): (&State, &Learned),
+        name: FieldName,
+    ) -> Option<FieldData> {
         let model = self.model();
         let whole = inside::completed(&model, state, learned);
         if whole.is_none() && !state.is_whole() {

@@ -1,52 +1,28 @@
 //! From the methods that a plan names to the code that solves by them.
 
-use crate::compare;
+use crate::inequality::linear::ConjugateGradients;
 use crate::inequality::mprgp::Mprgp;
-use crate::inequality::{InequalitySolver, OneLevel, QpProblem};
-use crate::linalg::{Preconditioner, Workspace};
-use crate::saddle::{BlockStep, EqualityBlock};
+use crate::inequality::{InequalitySolver, LinearSolver, OneLevel, QpProblem};
+use crate::plan::Plan;
 use crate::scene::{ContactMethod, SaddleMethod};
-use crate::sqp::linear::{ConjugateGradients, LinearSolver};
 
 /// The method of programs without contact; none for those that serve contact too.
-pub(crate) fn linear(method: SaddleMethod) -> Option<Box<dyn LinearSolver>> {
-    match method {
-        SaddleMethod::ConjugateGradients => Some(Box::new(ConjugateGradients)),
-        SaddleMethod::Gcr
-        | SaddleMethod::ArrowHurwicz
-        | SaddleMethod::Stationary
-        | SaddleMethod::UzawaCg
-        | SaddleMethod::Minres => compare::linear(method),
+pub(crate) fn linear(plan: &Plan) -> Option<Box<dyn LinearSolver>> {
+    match (plan.saddle.method, &plan.comparisons) {
+        (SaddleMethod::ConjugateGradients, _) => Some(Box::new(ConjugateGradients)),
+        (other, Some(comparisons)) => comparisons.linear(other),
+        (_, None) => None,
     }
 }
 
-/// The step of GCR about the internal pressure, from the present residuals (force,
-/// constraint); none for the upper block triangle.
-pub(crate) fn block_step(
-    method: SaddleMethod,
-    displacement: &dyn Preconditioner,
-    pressure: &EqualityBlock<'_>,
-    now: (&[f64], &[f64]),
-    work: &mut Workspace,
-) -> Option<Box<dyn BlockStep>> {
-    compare::block_step(method, displacement, pressure, now, work)
-}
-
-/// The solver of `problem` by a method for contact.
-pub(crate) fn contact<'a>(
-    method: ContactMethod,
-    problem: QpProblem<'a>,
-) -> Box<dyn InequalitySolver + 'a> {
-    match method {
-        ContactMethod::OneLevel => Box::new(OneLevel::new(problem)),
-        ContactMethod::Mprgp => Box::new(Mprgp { problem }),
-        ContactMethod::ActiveSet
-        | ContactMethod::Nested
-        | ContactMethod::ConjugateProjectedGradient
-        | ContactMethod::ProjectedArrowHurwicz
-        | ContactMethod::ThresholdIteration
-        | ContactMethod::RegularisedFriction => {
-            compare::contact(method, problem).unwrap_or_else(|| Box::new(OneLevel::new(problem)))
+/// The solver of `problem` by the method for contact.
+pub(crate) fn contact<'a>(plan: &Plan, problem: QpProblem<'a>) -> Box<dyn InequalitySolver + 'a> {
+    match (plan.contact.method, &plan.comparisons) {
+        (ContactMethod::Mprgp, _) => Box::new(Mprgp { problem }),
+        (ContactMethod::OneLevel, _) | (_, None) => Box::new(OneLevel::new(problem)),
+        (other, Some(comparisons)) => {
+            let found = comparisons.contact(other, problem);
+            found.unwrap_or_else(|| Box::new(OneLevel::new(problem)))
         }
     }
 }

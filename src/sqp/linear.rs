@@ -1,18 +1,18 @@
-//! Programs without contact by methods that know no inequality, behind one trait:
-//! conjugate gradients on the displacement.
+//! Programs without contact by methods that know no inequality, followed, counted and
+//! stopped.
 //!
 //! Unknowns (du, dx) and residuals are those of the quadratic program.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::inequality::{QpIterate, QpNorms, QpOutcome, QpScales, QpStatus, QpTargets};
-use crate::krylov::cg::Cg;
-use crate::krylov::{Monitor, Outcome, Verdict};
+use crate::inequality::{
+    LinearSolver, LinearSystem, QpIterate, QpNorms, QpOutcome, QpScales, QpStatus, QpTargets,
+};
+use crate::krylov::{Monitor, Verdict};
+use crate::linalg::Workspace;
 use crate::linalg::vector::norm;
-use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 use crate::model::counters::Counters;
 use crate::precond::Counted;
-use crate::saddle::EqualityBlock;
 use crate::sqp::watch::Watch;
 
 /// Counts, reports and stops the iterations of one program.
@@ -64,53 +64,12 @@ impl Track<'_, '_> {
     }
 }
 
-/// A method for linear systems.
-pub(crate) trait LinearSolver {
-    /// Improves (du, dx) until the monitor stops; the residuals (f, g) are those of
-    /// the unknowns on entry and exit.
-    fn solve(
-        &self,
-        system: &Linear<'_>,
-        unknowns: (&mut [f64], &mut [f64]),
-        monitor: &mut dyn Monitor,
-        work: &mut Workspace,
-    ) -> Outcome;
-}
-
-/// Conjugate gradients on the displacement.
-pub(crate) struct ConjugateGradients;
-
-impl LinearSolver for ConjugateGradients {
-    fn solve(
-        &self,
-        system: &Linear<'_>,
-        unknowns: (&mut [f64], &mut [f64]),
-        monitor: &mut dyn Monitor,
-        work: &mut Workspace,
-    ) -> Outcome {
-        let method = Cg {
-            operator: system.stiffness,
-            preconditioner: system.displacement,
-            iterations: system.iterations,
-        };
-        method.solve(unknowns, monitor, work)
-    }
-}
-
 /// A linear system and the method for it.
 pub(crate) struct Linear<'a> {
     /// The method for the system.
     pub(crate) method: &'a dyn LinearSolver,
-    /// A `[displacement, displacement]`.
-    pub(crate) stiffness: &'a dyn LinearOperator,
-    /// Approximate inverse of A.
-    pub(crate) displacement: &'a dyn Preconditioner,
-    /// The internal pressure as an equality block; none in displacement form.
-    pub(crate) pressure: Option<&'a EqualityBlock<'a>>,
-    /// When the system counts as solved.
-    pub(crate) targets: QpTargets,
-    /// Number of iterations at most.
-    pub(crate) iterations: usize,
+    /// The system.
+    pub(crate) system: LinearSystem<'a>,
 }
 
 impl Linear<'_> {
@@ -125,7 +84,7 @@ impl Linear<'_> {
         let unknowns = iterate.force.len();
         let mut monitor = LinearMonitor {
             displacement: unknowns,
-            targets: self.targets,
+            targets: self.system.targets,
             scales,
             track,
             iterations: 0,
@@ -134,14 +93,17 @@ impl Linear<'_> {
         let mut x = std::mem::take(&mut iterate.displacement);
         let mut r = std::mem::take(&mut iterate.force);
         // Where there is a pressure, its block is the first.
-        let mut pressure = self.pressure.and_then(|_| iterate.blocks.first_mut());
+        let mut pressure = self
+            .system
+            .pressure
+            .and_then(|_| iterate.blocks.first_mut());
         if let Some(block) = &pressure {
             x.extend_from_slice(&block.multiplier);
             r.extend_from_slice(&block.residual);
         }
         let outcome = self
             .method
-            .solve(self, (&mut x, &mut r), &mut monitor, work);
+            .solve(&self.system, (&mut x, &mut r), &mut monitor, work);
         if let Some(block) = &mut pressure {
             block.multiplier = x.split_off(unknowns);
             block.residual = r.split_off(unknowns);

@@ -1,6 +1,6 @@
 //! The house has two wings and one hall: every `use crate::` of the library
 //! follows the table below, and faer stays behind one door. No files of any crate
-//! import each other in a circle, and production knows no comparison. Pages lead somewhere.
+//! import each other in a circle. Pages lead somewhere.
 
 mod budgets;
 mod circles;
@@ -51,6 +51,7 @@ const ROOMS: &[(&str, &[&str])] = &[
 /// the solver reads results, results never the solver.
 const HALL: &[(&str, &[&str])] = &[
     ("scene", &["results"]),
+    ("comparisons", &["results"]),
     ("plan", &["results"]),
     ("prepare", &["results"]),
     ("model", &["results"]),
@@ -71,7 +72,6 @@ const HALL: &[(&str, &[&str])] = &[
     ),
     ("verify", &SOLVER),
     ("session", &[]),
-    ("compare", &[]),
 ];
 
 /// The rooms that move a state.
@@ -81,16 +81,6 @@ const SOLVER: [&str; 5] = [
     "diagnosis",
     "force_control",
     "continuation",
-];
-
-/// The only files outside `compare` that name it: those that turn the names of a plan
-/// into code. The production path has no comparison in it but for them.
-const CHOOSERS: &[&str] = &[
-    "plan/chooser.rs",
-    "prepare/chooser.rs",
-    "prepare/element_chooser.rs",
-    "session/chooser.rs",
-    "sqp/chooser.rs",
 ];
 
 /// Root files of the crates; one whose crate is not there counts as empty.
@@ -103,6 +93,7 @@ const CRATES: &[&str] = &[
     "client/src/main.rs",
     "client/bench/src/lib.rs",
     "client/bench/src/main.rs",
+    "client/compare/src/lib.rs",
 ];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -180,35 +171,14 @@ fn rooms_import_only_what_the_table_allows() {
 }
 
 /// Whether a room of the hall may import another: one before it that its row does not refuse,
-/// what solvers read, and what only choosers name.
+/// and what solvers read.
 fn hall_allows(room: &str, import: &str) -> bool {
     let place = |name: &str| HALL.iter().position(|(other, _)| *other == name);
     let Some(own) = place(room) else {
         return false;
     };
     let is_later = place(import).is_some_and(|other| other > own);
-    let is_open = ["results", "compare"].contains(&import);
-    !HALL[own].1.contains(&import) && (!is_later || is_open)
-}
-
-#[test]
-fn compare_is_known_to_choosers_only() {
-    let mut faults = Vec::new();
-    let mut used = Vec::new();
-    for (room, path, text) in library() {
-        if room == "compare" || is_test_file(&path) {
-            continue;
-        }
-        if imports(&text).iter().any(|import| import == "compare") {
-            let name = path.to_string_lossy().into_owned();
-            if !CHOOSERS.contains(&name.as_str()) {
-                faults.push(name.clone());
-            }
-            used.push(name);
-        }
-    }
-    assert!(faults.is_empty(), "{} name compare", faults.join(", "));
-    assert_eq!(used, CHOOSERS, "choosers that name it no more");
+    !HALL[own].1.contains(&import) && (!is_later || import == "results")
 }
 
 #[test]
@@ -284,12 +254,7 @@ fn no_files_import_each_other_in_a_circle() {
 #[test]
 fn no_rooms_of_a_crate_import_each_other_in_a_circle() {
     for tree in crates() {
-        let (rooms, mut edges) = tree.rooms();
-        // What is only compared knows everything; choosers, held by another test, know it.
-        let compare = rooms.iter().position(|room| room == "compare");
-        edges
-            .iter_mut()
-            .for_each(|used| used.retain(|room| Some(*room) != compare));
+        let (rooms, edges) = tree.rooms();
         let circles = circles(&edges);
         let named = circles.iter().map(|circle| {
             let names: Vec<&str> = circle.iter().map(|one| rooms[*one].as_str()).collect();

@@ -1,6 +1,7 @@
 //! Meshes of the stories: structured ones by rule, irregular ones by moving
 //! their vertices by a fixed pattern, and Gmsh files from `tests/meshes`.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use signorini::{CellKind, Group, GroupKind, Mesh, MeshParts};
@@ -315,10 +316,12 @@ pub(crate) fn file(name: &str) -> Arc<Mesh> {
 
 /// Arrays of [`file`].
 pub(crate) fn file_parts(name: &str) -> MeshParts {
-    parts_of(&format!(
-        "{}/tests/meshes/{name}.msh",
-        env!("CARGO_MANIFEST_DIR")
-    ))
+    // Stories of other crates read the same files.
+    let folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    let mut meshes = folders.map(|folder| folder.join("tests/meshes"));
+    let folder = meshes.find(|folder| folder.is_dir());
+    let folder = folder.expect("the meshes of the repository");
+    parts_of(&format!("{}/{name}.msh", folder.display()))
 }
 
 /// Arrays of the Gmsh file at `path`.

@@ -7,7 +7,7 @@ use crate::common::scenes::{
 };
 use crate::common::{assert_converged, close, open, take};
 use signorini::report::{Cause, Termination};
-use signorini::scene::{Choice, ContactMethod, ContactSpace, ObstacleTarget, Shape};
+use signorini::scene::{Choice, ContactSpace, ObstacleTarget, Shape};
 use signorini::{Scene, Session, Step, StepReport};
 
 /// A step that pushes one obstacle by the named components.
@@ -165,18 +165,6 @@ fn a_body_that_only_obstacles_hold_is_squeezed_by_any_force() {
         }
         assert!(pose(&session)[0][2] < -0.03);
     }
-}
-
-/// Where a method has no metric the stiffness under the tool is learnt.
-#[test]
-fn a_method_without_a_metric_meets_a_push_too() {
-    let mut scene = ball(ContactSpace::Linear);
-    scene.solver.contact = Choice::Named(ContactMethod::ConjugateProjectedGradient);
-    scene.solver.tolerance = 1e-8;
-    let name = scene.obstacles[0].name.clone();
-    let mut session = open(&scene, &file("indent_l1"));
-    let report = last(&mut session, &down(&name, -0.0125));
-    assert!(close(report.obstacles[&name].force[2], -0.0125, 1e-6));
 }
 
 /// An elastic block under a rigid plate whose reference point is not above its middle.

@@ -5,8 +5,7 @@ use crate::common::scenes::{elastic, mooney_rivlin, obstacle, plane, rubber, sup
 use crate::common::{assert_converged, open, take};
 use serde_json::Value;
 use signorini::scene::{
-    Choice, ContactMethod, ContactSpace, Formulation, Material, MaterialModel, Modulus,
-    RubberModel, Shape,
+    Choice, ContactSpace, Formulation, Material, MaterialModel, Modulus, RubberModel, Shape,
 };
 use signorini::{Scene, Step, StepReport, Termination};
 
@@ -199,74 +198,6 @@ fn rough_rubber_is_pressed_as_another_code_says() {
         assert_converged(report);
         check_increment(key, report, exact);
     }
-}
-
-/// The seed's ways: the same forces, for many more applications.
-#[test]
-fn the_iteration_on_the_threshold_ends_where_one_level_does() {
-    assert_slower_agreement(ContactMethod::ThresholdIteration);
-}
-
-#[test]
-fn springs_on_the_slip_end_where_one_level_does() {
-    assert_slower_agreement(ContactMethod::RegularisedFriction);
-}
-
-/// In space, where directions of slip are unknown too.
-#[test]
-fn springs_on_the_slip_know_directions() {
-    let forces = [ContactMethod::OneLevel, ContactMethod::RegularisedFriction].map(|method| {
-        let mut scene = elastic(0.3);
-        scene.supports = vec![support("z0", HELD)];
-        let shape = Shape::Sphere {
-            centre: [0.45, 0.6, 1.5],
-            radius: 0.5,
-        };
-        let mut scene = rough(scene, ("tool", "z1"), shape, 0.3);
-        scene.solver.contact = Choice::Named(method);
-        let mut session = open(&scene, &mesh(cube(4)));
-        let step = travel("tool", 1, [0.03, 0.01, -0.06], [0.0; 3]);
-        let report = take(&mut session, &step).remove(0);
-        assert_eq!(report.termination, Termination::Converged, "{report:?}");
-        report.obstacles["tool"].force
-    });
-    let [a, b] = forces;
-    for axis in 0..3 {
-        assert!((a[axis] - b[axis]).abs() < 1e-6 * a[2].abs(), "{a:?} {b:?}");
-    }
-    assert!(a[0].abs() > 0.01 * a[2].abs());
-}
-
-fn assert_slower_agreement(other: ContactMethod) {
-    let runs = [ContactMethod::OneLevel, other].map(|method| {
-        let (mut scene, steps) = slide_block(0.5, 0.1);
-        scene.solver.contact = Choice::Named(method);
-        let mut session = open(&scene, &mesh(square(8)));
-        steps[..2]
-            .iter()
-            .flat_map(|step| take(&mut session, step))
-            .collect::<Vec<StepReport>>()
-    });
-    let [one_level, passes] = &runs;
-    for (a, b) in one_level.iter().zip(passes) {
-        assert_converged(a);
-        assert_converged(b);
-        assert!(a.newton_steps <= 20, "{}", a.newton_steps);
-        assert_eq!((a.threshold_passes, b.newton_steps), (0, 0));
-        assert!(b.threshold_passes > b.sqp_iterations || b.sqp_iterations == 0);
-        let [x, y] = [a, b].map(|report| report.obstacles["plate"].force);
-        let whole = x[0].hypot(x[1]);
-        assert!(
-            (x[0] - y[0]).hypot(x[1] - y[1]) < 1e-7 * whole,
-            "{x:?} {y:?}"
-        );
-    }
-    let counts = runs.map(|run| {
-        run.iter()
-            .map(|report| report.preconditioner_applications)
-            .sum::<u32>()
-    });
-    assert!(2 * counts[0] < counts[1], "{counts:?}");
 }
 
 /// A method that diverges leaves no scale behind beside which any state is a solution.

@@ -1,10 +1,10 @@
 //! Methods that nobody knows or that make no sense together are refused with the
 //! path of their key and a reason.
 
-use crate::common::refusals::{assert_refused, block, sphere, unsupported};
+use crate::common::refusals::{assert_refused, sphere};
 use crate::common::scenes::{cube_bend, obstacle};
 use signorini::Scene;
-use signorini::scene::{Choice, ElementKind, MetricKind, SaddleMethod, UnknownName};
+use signorini::scene::{Choice, MetricKind, SaddleMethod, UnknownName};
 
 #[test]
 fn methods_are_known_by_name() {
@@ -102,36 +102,5 @@ fn a_penalty_needs_incompressible_materials() {
         let mut scene = cube_bend(poisson_ratio);
         scene.solver.penalty = Some(weight);
         assert_refused(&scene, "solver.penalty", &[word]);
-    }
-    let mut scene = cube_bend(0.5);
-    scene.solver.verify = false;
-    scene.solver.element = Choice::Named(ElementKind::Mini);
-    scene.solver.penalty = Some(1.0);
-    assert_eq!(unsupported(&scene, &block()).path, "solver.penalty");
-}
-
-#[test]
-#[cfg(not(feature = "comparisons"))]
-fn methods_to_compare_with_are_refused_where_they_are_not_built_in() {
-    for (key, name) in [
-        ("element", "mini"),
-        ("displacement_preconditioner", "hierarchical-ssor"),
-        ("p1_solver", "ic-cg"),
-        ("saddle", "minres"),
-        ("contact", "nested"),
-    ] {
-        let mut scene = cube_bend(0.5);
-        let solver = &mut scene.solver;
-        match key {
-            "element" => solver.element = name.parse().expect("an element"),
-            "p1_solver" => solver.p1_solver = name.parse().expect("a solver"),
-            "saddle" => solver.saddle = name.parse().expect("a method"),
-            "contact" => solver.contact = name.parse().expect("a method"),
-            _ => solver.displacement_preconditioner = name.parse().expect("a method"),
-        }
-        let refused = unsupported(&scene, &block());
-        assert_eq!(refused.path, format!("solver.{key}"));
-        assert!(refused.message.contains(name), "{refused}");
-        assert!(refused.message.contains("not built into"), "{refused}");
     }
 }

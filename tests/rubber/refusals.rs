@@ -5,8 +5,8 @@ use crate::common::meshes::{cube, mesh, square};
 use crate::common::refusals::{block, unsupported, violations};
 use crate::common::scenes::{HELD, cube_bend, obstacle, support};
 use signorini::scene::{
-    Choice, ContactMethod, DisplacementMethod, ElementKind, Formulation, MaterialModel, Pressure,
-    Profile, RubberModel, SaddleMethod, SceneKind, Shape, SupportTarget, ToleranceRule,
+    Choice, ContactMethod, DisplacementMethod, Formulation, MaterialModel, Pressure, Profile,
+    RubberModel, SaddleMethod, SceneKind, Shape, SupportTarget, ToleranceRule,
 };
 use signorini::{Plan, PlanReport, Scene, SceneError, Step};
 
@@ -145,10 +145,7 @@ fn rubber_is_always_mixed() {
 #[test]
 fn methods_that_do_not_serve_rubber_are_refused_by_name() {
     type Change = fn(&mut Scene);
-    let cases: [(&str, &str, Change); 6] = [
-        ("solver.element", "mini", |scene| {
-            scene.solver.element = Choice::Named(ElementKind::Mini)
-        }),
+    let cases: [(&str, &str, Change); 5] = [
         ("solver.saddle", "minres", |scene| {
             scene.solver.saddle = Choice::Named(SaddleMethod::Minres)
         }),

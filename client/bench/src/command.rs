@@ -12,6 +12,7 @@ use crate::page::{self, LeftOut, Report};
 use crate::peers;
 use crate::picture::Figure;
 use crate::plan::Plan;
+use crate::recorded;
 use crate::reference::References;
 use crate::results::Results;
 use crate::rounds::{Measured, Rounds};
@@ -77,6 +78,7 @@ where
     let (left_out, rows) = divided(measured, &references);
     let results = Results {
         rows,
+        recorded: recorded::rows().map_err(BenchError::Table)?,
         findings,
         peers,
         references,

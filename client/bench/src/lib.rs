@@ -10,7 +10,7 @@
 //! A `study` asks a question: it compares choices of methods, drawn by
 //! `study_figures` and answered by the table that `answer` takes from the rows. One of
 //! them, `extremes`, has rows of its own: cases whose result is known without the solver.
-//! `versus` sets other solvers beside ours, `seed` the experiments that the method
+//! `recorded` has the runs of methods that are gone; `versus` sets other solvers beside ours, `seed` the experiments that the method
 //! comes from; `summary` says in three sentences what follows.
 //!
 //! Runs go in rounds, every case once a round, so that the noise of a shared
@@ -55,6 +55,7 @@ mod peers;
 mod picture;
 mod pictures;
 mod plan;
+mod recorded;
 mod reference;
 mod results;
 mod rounds;

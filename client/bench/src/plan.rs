@@ -8,7 +8,7 @@ use crate::extremes::{self, Trial};
 use crate::families::FAMILIES;
 use crate::family::{Family, Level, MeshSource};
 use crate::method::Method;
-use crate::study::{Measure, STUDIES, Study};
+use crate::study::{Measure, Origin, STUDIES, Study};
 
 /// What a bench is asked for; what is empty is chosen by its extent.
 #[derive(Clone, Debug)]
@@ -226,7 +226,9 @@ impl Wishes {
             if !self.levels.is_empty() {
                 levels.retain(|level| self.levels.contains(level));
             }
-            let methods = study.choices.iter().filter_map(|choice| choice.method());
+            let runs = study.choices.iter();
+            let runs = runs.filter(|choice| choice.origin == Origin::Run);
+            let methods = runs.filter_map(|choice| choice.method());
             for method in methods {
                 for &tolerance in tolerances_of(study, &method) {
                     for (rank, &level) in levels.iter().enumerate() {

@@ -15,6 +15,8 @@ use crate::row::Row;
 pub(crate) struct Results {
     /// One a run of this program.
     pub(crate) rows: Vec<Row>,
+    /// Runs of methods that are gone.
+    pub(crate) recorded: Vec<Row>,
     /// One a row of the study of extreme cases.
     pub(crate) findings: Vec<Finding>,
     /// Runs of other programs.

@@ -42,6 +42,7 @@ pub(crate) fn row(scene: &str, level: &str, keys: &str, seconds: f64) -> Row {
 pub(crate) fn results(rows: Vec<Row>) -> Results {
     Results {
         rows,
+        recorded: Vec::new(),
         findings: Vec::new(),
         peers: Peers::default(),
         references: References::shipped().unwrap(),

@@ -2,7 +2,7 @@
 
 use crate::results::Results;
 use crate::row::Row;
-use crate::study::{Scope, Study};
+use crate::study::{Origin, Scope, Study};
 
 /// The rows of one choice on one family, coarsest mesh first and loosest tolerance
 /// first; those of refused and failed runs among them.
@@ -40,6 +40,10 @@ pub(crate) fn strands<'a>(results: &'a Results, study: &Study, scope: &Scope) ->
     choices
         .filter_map(|choice| {
             let method = choice.method()?;
+            let source = match choice.origin {
+                Origin::Run => &results.rows,
+                Origin::Recorded => &results.recorded,
+            };
             let fits = |row: &&Row| {
                 let case = &row.case;
                 let tolerance = |t: &f64| t.total_cmp(&case.tolerance).is_eq();
@@ -48,7 +52,7 @@ pub(crate) fn strands<'a>(results: &'a Results, study: &Study, scope: &Scope) ->
                     && scope.full.contains(&case.level.number)
                     && study.tolerances.iter().any(tolerance)
             };
-            let mut rows: Vec<&Row> = results.rows.iter().filter(fits).collect();
+            let mut rows: Vec<&Row> = source.iter().filter(fits).collect();
             rows.sort_by(|a, b| {
                 let levels = a.case.level.cmp(&b.case.level);
                 levels.then(b.case.tolerance.total_cmp(&a.case.tolerance))
@@ -58,7 +62,7 @@ pub(crate) fn strands<'a>(results: &'a Results, study: &Study, scope: &Scope) ->
             Some(Strand {
                 label: choice.label,
                 rows,
-                is_refused: results.rows.iter().any(refused),
+                is_refused: source.iter().any(refused),
             })
         })
         .collect()

@@ -7,6 +7,8 @@
 //! | `input` | files that a command names |
 
 mod access;
+#[cfg(feature = "embedded")]
+pub(crate) mod compared;
 pub(crate) mod connection;
 mod fleet;
 pub(crate) mod input;

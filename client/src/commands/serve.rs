@@ -11,7 +11,8 @@ pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
 
     tokio::spawn(return_freed_memory());
     let flags = arguments.flags;
-    let config = super::config::resolved(&flags)?.config;
+    let mut config = super::config::resolved(&flags)?.config;
+    config.compared = crate::arguments::compared::compared();
     let level = move || flags.log_level_now().map_err(|error| error.to_string());
     let hangups = Hangups::of_process();
     tokio::spawn(follow_log_level(start_log(&config), hangups.clone(), level));

@@ -1,4 +1,5 @@
-//! Methods for comparison, asked for by name from a scene file.
+//! Methods for comparison, asked for by name from a scene file: there with the feature
+//! `compare`, refused by name without it.
 #![cfg(feature = "embedded")]
 
 use crate::common::{Run, example, run};
@@ -25,6 +26,7 @@ fn corner(step: &Value) -> f64 {
 }
 
 #[test]
+#[cfg(feature = "compare")]
 fn methods_are_chosen_by_their_keys_and_agree() {
     let default = step(&[]);
     for (changes, factor) in [
@@ -48,6 +50,23 @@ fn methods_are_chosen_by_their_keys_and_agree() {
             taken >= factor * iterations && taken <= factor * iterations + 2,
             "{changes:?}: {taken} {iterations}"
         );
+    }
+}
+
+#[test]
+#[cfg(not(feature = "compare"))]
+fn methods_are_refused_by_key_and_feature() {
+    for change in [
+        "solver.saddle=minres",
+        "solver.displacement_preconditioner=hierarchical-ssor",
+        "solver.p1_solver=ic-cg",
+    ] {
+        let run = with("solve", &[change]);
+        assert_eq!(run.code, Some(4), "{}", run.stderr);
+        let key = change.split('=').next().unwrap();
+        for word in [key, "feature `compare`"] {
+            assert!(run.stderr.contains(word), "{}", run.stderr);
+        }
     }
 }
 

@@ -8,6 +8,7 @@
 //! | `shares` | slots of solver threads, limits of the data folder |
 //! | `fleet`, `log_lines` | settings of a fleet; how the log is written |
 
+mod compared;
 mod fleet;
 mod log_lines;
 mod nearest;
@@ -21,6 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::process::limits;
 
+pub use compared::Compared;
 pub use log_lines::{LogFormat, LogLevel};
 pub(crate) use shares::{Limit, Slots};
 pub use sources::{Flags, Settings};
@@ -157,6 +159,9 @@ pub struct Config {
     pub fleet_lease_seconds: u64,
     /// Servers of NATS that keep each lease and each record, 1 to 5.
     pub fleet_replicas: usize,
+    /// Methods that scenes may name beside the solver's own: the program's, in no file.
+    #[serde(skip)]
+    pub compared: Compared,
 }
 
 impl Default for Config {
@@ -200,6 +205,7 @@ impl Default for Config {
             fleet_name: String::new(),
             fleet_lease_seconds: 6,
             fleet_replicas: 1,
+            compared: Compared::default(),
         }
     }
 }

@@ -15,6 +15,7 @@ use signorini_proto::v1::{self as wire, upload_mesh_request::Part};
 use self::engine::{Campaign, Corpus, Form};
 use super::mesh::{Header, Upload};
 use super::{field, report, scene, step};
+use crate::config::Compared;
 use crate::fault::Fault;
 use crate::fault::status::rpc_status;
 
@@ -283,7 +284,7 @@ fn check(fault: &Fault) {
 
 fn planned(message: wire::Scene, mesh: &Mesh) -> Result<(), Fault> {
     let request = scene::scene(message, &Default::default())?;
-    let plan = request.plan(mesh)?;
+    let plan = request.plan(mesh, &Compared::default())?;
     report::plan(plan.report());
     Ok(())
 }

@@ -12,6 +12,7 @@ use signorini_proto::v1 as wire;
 use super::uploaded::SurfacesByName;
 use super::values::values;
 use super::{Faults, MOST_FAULTS, field, material, mesh, named, step};
+use crate::config::Compared;
 use crate::fault::Fault;
 use boundary::{obstacle, pressure, support, traction};
 use solver::solver;
@@ -34,13 +35,14 @@ pub(crate) struct SceneRequest {
 }
 
 impl SceneRequest {
-    /// Plans on `mesh`. Whatever is wrong is told at once, unknown methods after
+    /// Plans on `mesh`, by the solver's own methods and those `compared`. Whatever is wrong is told at once, unknown methods after
     /// the faults that the library finds.
     ///
     /// # Errors
     /// `SceneInvalid`, `Unsupported`.
-    pub(crate) fn plan(&self, mesh: &Mesh) -> Result<Plan, Fault> {
-        let planned = Plan::new(&self.scene, &self.steps, mesh);
+    pub(crate) fn plan(&self, mesh: &Mesh, compared: &Compared) -> Result<Plan, Fault> {
+        let methods = compared.methods();
+        let planned = Plan::with_comparisons(&self.scene, &self.steps, mesh, methods);
         if self.misnamed.is_empty() {
             return Ok(planned?);
         }
@@ -248,7 +250,7 @@ mod tests {
                 ..Default::default()
             }],
             solver: Some(wire::SolverOptions {
-                element: "mini".into(),
+                element: "taylor-hood".into(),
                 ..Default::default()
             }),
             ..Default::default()
@@ -264,7 +266,7 @@ mod tests {
         };
         assert_eq!(scene.materials[0].model, law);
         assert_eq!(scene.supports[0].profile, Profile::Parabolic);
-        assert_eq!(scene.solver.element, Choice::Named(ElementKind::Mini));
+        assert_eq!(scene.solver.element, Choice::Named(ElementKind::TaylorHood));
     }
 
     #[test]
@@ -285,7 +287,7 @@ mod tests {
         let mesh = Mesh::new(cell).unwrap();
         match scene(message, &SurfacesByName::default())
             .unwrap()
-            .plan(&mesh)
+            .plan(&mesh, &Compared::default())
         {
             Err(Fault::SceneInvalid(all)) => {
                 let last = all.last().expect("a fault");

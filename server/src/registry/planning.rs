@@ -43,8 +43,9 @@ pub(crate) async fn plan(services: &Arc<Services>, message: wire::Scene) -> Resu
     let mesh = mesh(services, request.mesh).await?;
     // A plan numbers the mesh and finds its surfaces: about the mesh once more.
     let _memory = services.store.reserve(mesh.value().bytes())?;
+    let compared = services.config.compared.clone();
     let planned = aside(move || {
-        let plan = request.plan(mesh.value())?;
+        let plan = request.plan(mesh.value(), &compared)?;
         Ok::<_, Fault>(Planned {
             request,
             mesh,

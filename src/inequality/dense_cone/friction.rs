@@ -43,7 +43,7 @@ const CLOSE_ON_MANY: f64 = 1e-4;
 const FEW: usize = 200;
 
 /// The cones of a product and the first of their multipliers; none where it has none.
-pub(crate) fn cones<'a>(set: &ProductSet<'a>) -> Option<(Cones<'a>, usize)> {
+pub fn cones<'a>(set: &ProductSet<'a>) -> Option<(Cones<'a>, usize)> {
     let mut first = 0;
     for part in set.parts() {
         if let AdmissibleSet::Cones(cones) = part.set {

@@ -5,9 +5,5 @@ super::named! {
     pub enum ElementKind {
         /// P2 displacement; P1 pressure where the scene is mixed.
         TaylorHood = "taylor-hood",
-        /// P1 displacement with cell bubbles, P1 pressure.
-        Mini = "mini",
-        /// P1 displacement with normal facet bubbles, P0 pressure.
-        BernardiRaugel = "bernardi-raugel",
     }
 }

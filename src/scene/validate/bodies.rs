@@ -1,6 +1,6 @@
 //! Body force, manufactured field, probes.
 
-use super::{Faults, ResolvedProbe, in_plane, names, values};
+use super::{Faults, ResolvedProbe, in_plane, names};
 use crate::element::manufactured::Manufactured;
 use crate::mesh::Mesh;
 use crate::mesh::locate::Locator;
@@ -13,7 +13,7 @@ pub(crate) fn body_force(scene: &Scene, mesh: &Mesh, faults: &mut Faults) {
     in_plane(faults, mesh, "body_force.value", scene.body_force);
 }
 
-/// Values stand neither beside an analytic field nor on elements of comparison.
+/// Values do not stand beside an analytic field.
 pub(crate) fn refuse_values(scene: &Scene, faults: &mut Faults) {
     let supports = scene.supports.iter().any(|one| one.values.is_some());
     let tractions = scene.tractions.iter().any(|one| one.values.is_some());
@@ -24,7 +24,6 @@ pub(crate) fn refuse_values(scene: &Scene, faults: &mut Faults) {
         let message = "brings its own loads and values: leave out `values`";
         faults.add("manufactured.field", message);
     }
-    values::refuse_element(scene, "solver.element", faults);
 }
 
 /// The analytic field; its loads take the place of all others.

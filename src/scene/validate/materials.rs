@@ -3,7 +3,7 @@
 use super::{Faults, ResolvedMaterial, names, rubber};
 use crate::material::{LinearElastic, Stokes};
 use crate::mesh::{GroupKind, Mesh};
-use crate::scene::{ElementKind, Formulation, MaterialModel, Modulus, Scene};
+use crate::scene::{Formulation, MaterialModel, Modulus, Scene};
 
 /// From this Poisson ratio on, a pressure unknown carries the volume constraint.
 const MIXED_FROM: f64 = 0.45;
@@ -212,11 +212,6 @@ pub(crate) fn mixed(
         if !mixed || resolved.poisson_ratio >= LEAST_MIXED {
             continue;
         }
-        let is_taylor_hood = scene
-            .solver
-            .element
-            .named()
-            .is_none_or(|element| element == ElementKind::TaylorHood);
         match resolved.rubber {
             Some(_) if material.model.is_rubber() => faults.unsupported(
                 format!("{path}.bulk_modulus"),
@@ -226,9 +221,9 @@ pub(crate) fn mixed(
                 format!("{path}.poisson_ratio"),
                 format!("below {LEAST_MIXED}, a material cannot share a scene with rubber"),
             ),
-            None if resolved.poisson_ratio < LEAST_BESIDE_A_PRESSURE || !is_taylor_hood => faults.unsupported(
+            None if resolved.poisson_ratio < LEAST_BESIDE_A_PRESSURE => faults.unsupported(
                 format!("{path}.poisson_ratio"),
-                format!("below {LEAST_BESIDE_A_PRESSURE}, with other elements than Taylor-Hood below {LEAST_MIXED}, a material cannot share a scene with a mixed one"),
+                format!("below {LEAST_BESIDE_A_PRESSURE}, a material cannot share a scene with a mixed one"),
             ),
             None => resolved.law = resolved.law.beside_a_pressure(),
         }

@@ -123,7 +123,7 @@ pub(crate) fn resolve<'a>(
     let mixed = materials::mixed(scene, &mut materials, &mut faults);
     materials::check_flow(scene, &materials, &mut faults);
     let supports = surfaces::supports(scene, mesh, &mut faults);
-    let supports = profiles::resolve(supports, (scene, steps, mesh), &mut faults);
+    let supports = profiles::resolve(supports, (steps, mesh), &mut faults);
     let tractions = surfaces::tractions(scene, mesh, &mut faults);
     let pressures = surfaces::pressures(scene, mesh, &mut faults);
     let obstacles = obstacles::resolve(scene, mesh, &mut faults);
@@ -138,7 +138,6 @@ pub(crate) fn resolve<'a>(
         incompressible: materials.iter().all(ResolvedMaterial::is_incompressible),
     };
     solver::check(scene, formulated, &mut faults);
-    solver::check_element(scene, mixed, &mut faults);
     let free_modes = rigid_modes::check(scene, kind, mesh, &supports, &mut faults);
     solver::check_contact(scene, &free_modes, &mut faults);
     rubber::check(scene, &materials, &mut faults);

@@ -2,12 +2,12 @@
 
 use super::{Faults, Parabola, Placed, ResolvedSupport, planes, rotates, values};
 use crate::mesh::Mesh;
-use crate::scene::{ElementKind, Profile, Scene, Step, Support};
+use crate::scene::{Profile, Step, Support};
 
 /// The supports with their profiles.
 pub(crate) fn resolve(
     supports: Vec<Placed<'_, Support>>,
-    (scene, steps, mesh): (&Scene, &[Step], &Mesh),
+    (steps, mesh): (&[Step], &Mesh),
     faults: &mut Faults,
 ) -> Vec<ResolvedSupport> {
     let resolve = |Placed { item, facets }: Placed<'_, Support>| {
@@ -15,15 +15,10 @@ pub(crate) fn resolve(
             Some(_) => planes::parted(mesh, (&item.name, &facets), steps),
             None => Default::default(),
         };
-        // Elements that are compared hold components alone.
-        let is_own = matches!(
-            scene.solver.element.named(),
-            None | Some(ElementKind::TaylorHood)
-        );
-        let (oblique, patches) = if is_own && !steps.iter().any(|step| rotates(step, &item.name)) {
-            planes::oblique(mesh, patches)
-        } else {
+        let (oblique, patches) = if steps.iter().any(|step| rotates(step, &item.name)) {
             (Vec::new(), patches)
+        } else {
+            planes::oblique(mesh, patches)
         };
         ResolvedSupport {
             name: item.name.clone(),

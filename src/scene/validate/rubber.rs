@@ -6,8 +6,8 @@
 use super::{Faults, Resolved, ResolvedMaterial};
 use crate::material::{InvariantLaw, Isochoric, LinearElastic, Ogden, OgdenTerm, Rubber};
 use crate::scene::{
-    Choice, ContactMethod, DisplacementMethod, ElementKind, Named, RubberModel, SaddleMethod,
-    Scene, SceneKind, SolverOptions, ToleranceRule,
+    Choice, ContactMethod, DisplacementMethod, Named, RubberModel, SaddleMethod, Scene, SceneKind,
+    SolverOptions, ToleranceRule,
 };
 
 /// Terms of Ogden's law.
@@ -182,7 +182,6 @@ fn serves<T: Named>(key: &str, asked: Choice<T>, serving: T, faults: &mut Faults
 }
 
 fn methods(solver: &SolverOptions, faults: &mut Faults) {
-    serves("element", solver.element, ElementKind::TaylorHood, faults);
     serves("saddle", solver.saddle, SaddleMethod::Gcr, faults);
     serves("contact", solver.contact, ContactMethod::OneLevel, faults);
     let preconditioner = solver.displacement_preconditioner;

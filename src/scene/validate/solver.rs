@@ -3,8 +3,8 @@
 use super::Faults;
 use crate::element::quadrature::MAXIMUM_DEGREE;
 use crate::scene::{
-    Choice, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate, MaterialModel, Named,
-    P1Solver, SaddleMethod, Scene, SolverOptions, ToleranceRule,
+    Choice, DisplacementMethod, ErrorEstimate, MaterialModel, Named, P1Solver, SaddleMethod, Scene,
+    ToleranceRule,
 };
 
 /// Larger weights make the displacement block as stiff in volume as the
@@ -141,82 +141,6 @@ fn penalty(scene: &Scene, formulated: Formulated, faults: &mut Faults) {
             "acts on the volume of incompressible materials; a Poisson ratio is below 0.5";
         faults.add(path, message);
     }
-}
-
-/// Refuses what comparison elements do not serve.
-pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
-    let solver = &scene.solver;
-    let element = match solver.element {
-        Choice::Auto | Choice::Named(ElementKind::TaylorHood) => return,
-        Choice::Named(element @ (ElementKind::Mini | ElementKind::BernardiRaugel)) => element,
-    };
-    let mut refuse = |path: String, why: &str| {
-        faults.unsupported(path, format!("`{}` {why}", element.name()));
-    };
-    if !mixed {
-        let path = "solver.element".to_owned();
-        refuse(
-            path,
-            "serves mixed scenes: a Poisson ratio of at least 0.45",
-        );
-    }
-    if let Some(obstacle) = scene.obstacles.first()
-        && element != ElementKind::Mini
-    {
-        let path = format!("obstacle.{}", obstacle.name);
-        refuse(path, "serves scenes without contact; `mini` serves both");
-    }
-    let mut supports = scene.supports.iter();
-    if let Some(support) = supports.find(|support| support.normal.is_some()) {
-        let path = format!("support.{}.normal", support.name);
-        refuse(path, "serves supports that hold components");
-    }
-    let lacks = lacks(solver);
-    for (key, why, _) in lacks.iter().filter(|(_, _, is_asked_for)| *is_asked_for) {
-        refuse(format!("solver.{key}"), why);
-    }
-    let methods = [
-        (
-            "displacement_preconditioner",
-            solver.displacement_preconditioner.named().is_some(),
-        ),
-        ("saddle", solver.saddle.named().is_some()),
-        ("contact", solver.contact.named().is_some()),
-        ("contact_metric", solver.contact_metric.named().is_some()),
-    ];
-    for (key, _) in methods.iter().filter(|(_, is_named)| *is_named) {
-        refuse(
-            format!("solver.{key}"),
-            "brings its own: leave it at `auto`",
-        );
-    }
-}
-
-/// Keys of the solver that elements for comparison have nothing for, each with what they lack and
-/// whether the scene asks for it.
-fn lacks(solver: &SolverOptions) -> [(&'static str, &'static str, bool); 4] {
-    [
-        (
-            "verify",
-            "has no second path that recomputes its residuals",
-            solver.verify,
-        ),
-        (
-            "tolerance",
-            "has no estimate of its discretisation error",
-            solver.tolerance_rule == ToleranceRule::Discretisation,
-        ),
-        (
-            "penalty",
-            "has no grad-div term",
-            solver.penalty.is_some_and(|weight| weight > 0.0),
-        ),
-        (
-            "contact_space",
-            "has no quadratic trace for `quadratic`; `linear` serves",
-            solver.contact_space == Choice::Named(ContactSpace::Quadratic),
-        ),
-    ]
 }
 
 /// Checks that the method for contact takes its metric and the supports.

@@ -272,18 +272,4 @@ fn refuse_manufactured((scene, step): (&Scene, &Step), path: &str, faults: &mut 
             "the manufactured field brings its own loads and values",
         );
     }
-    if any {
-        refuse_element(scene, path, faults);
-    }
-}
-
-/// The elements of comparison take constants only.
-pub(crate) fn refuse_element(scene: &Scene, path: &str, faults: &mut Faults) {
-    use crate::scene::{Choice, ElementKind, Named};
-    if let Choice::Named(element @ (ElementKind::Mini | ElementKind::BernardiRaugel)) =
-        scene.solver.element
-    {
-        let message = format!("`{}` takes no values by node", element.name());
-        faults.unsupported(path, message);
-    }
 }

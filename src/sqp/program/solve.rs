@@ -3,8 +3,9 @@
 
 use super::step::{first_iterate, step_from};
 use super::{QuadraticProgram, Step};
+use crate::comparisons::StepAbout;
 use crate::inequality::{
-    QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
+    LinearSystem, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
 };
 use crate::krylov::gcr::Directions;
 use crate::linalg::vector::{add_scaled, norm};
@@ -242,18 +243,18 @@ impl QuadraticProgram<'_> {
         let displacement = track.displacement;
         let guided = self.model.plan.guided_multipliers;
         let pressure = self.pressure();
-        let linear = chooser::linear(self.model.plan.saddle.method);
+        let linear = chooser::linear(self.model.plan);
         match linear.filter(|_| self.factored.is_none()) {
             Some(method) => {
-                let linear = Linear {
-                    method: &*method,
+                let system = LinearSystem {
                     stiffness: self.stiffness(),
                     displacement,
                     pressure: pressure.as_ref(),
                     targets: solve.targets,
                     iterations: self.most_iterations() as usize,
                 };
-                linear.solve(solve.iterate, solve.scales, track, work)
+                let method = &*method;
+                Linear { method, system }.solve(solve.iterate, solve.scales, track, work)
             }
             None => {
                 let step = self.block_step(displacement, work);
@@ -270,8 +271,7 @@ impl QuadraticProgram<'_> {
                     progress: &mut progress,
                     work,
                 };
-                let method = self.model.plan.contact.method;
-                chooser::contact(method, problem).solve(solve.iterate, &mut run)
+                chooser::contact(self.model.plan, problem).solve(solve.iterate, &mut run)
             }
         }
     }
@@ -320,13 +320,18 @@ impl QuadraticProgram<'_> {
         if let Some(body) = &self.factored {
             return Box::new(body.step());
         }
-        let now = (&self.now.force[..], &self.now.constraint[..]);
-        let method = self.model.plan.saddle.method;
-        let other = self
-            .pressure()
-            .and_then(|pressure| chooser::block_step(method, displacement, &pressure, now, work));
+        let plan = self.model.plan;
+        let other = self.pressure().and_then(|pressure| {
+            let about = StepAbout {
+                displacement,
+                pressure: &pressure,
+                force: &self.now.force,
+                constraint: &self.now.constraint,
+            };
+            let comparisons = plan.comparisons.as_ref()?;
+            comparisons.block_step(plan.saddle.method, &about, work)
+        });
         other.unwrap_or_else(|| {
-            let plan = self.model.plan;
             let volume = match self.tangent {
                 Some(_) => VOLUMETRIC,
                 None => plan.augmentation(),

@@ -6,6 +6,7 @@ use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
 use crate::arguments::Slots;
+use crate::arguments::compared::compared;
 use crate::terminal::exit::{Exit, Failure};
 
 /// A running server that ends with the command.
@@ -18,7 +19,10 @@ pub(super) struct Embedded {
 impl Embedded {
     /// Starts the server; with slots of its own none is kept for short scenes.
     pub(super) async fn start(slots: Option<Slots>) -> Result<Self, Failure> {
-        let mut config = Config::embedded();
+        let mut config = Config {
+            compared: compared(),
+            ..Config::embedded()
+        };
         if let Some(slots) = slots {
             config.solver_slots = slots.count;
             config.short_slots = 0;

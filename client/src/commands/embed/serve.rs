@@ -8,6 +8,7 @@ pub(super) async fn run(listen: String) -> Result<Exit, Failure> {
 
     let config = Config {
         listen,
+        compared: crate::arguments::compared::compared(),
         ..Config::embedded()
     };
     let listener = Listener::bind(&config)

@@ -1,3 +1,0 @@
-//! Spaces that Taylor-Hood is compared with.
-
-pub(crate) mod enriched;

@@ -1,8 +1,0 @@
-//! Stories of the methods and elements that the solver is compared with.
-
-#[path = "../common/mod.rs"]
-mod common;
-
-mod contact;
-mod elements;
-mod saddle;
