@@ -214,7 +214,7 @@ pub struct StepReport {
     pub cause: Option<Cause>,
     /// Where the cause lies; none when the increment converged, or nothing is known.
     pub cause_site: Option<CauseSite>,
-    /// The fall from an equilibrium that was lost to the next minimum; none where every
+    /// The snap-through from a lost equilibrium to the next minimum; none where every
     /// equilibrium was followed.
     pub snapped: Option<Snapped>,
     /// What a mechanic would doubt.

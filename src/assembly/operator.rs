@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::grid::{Basis, Grid, Rows, SingleGrid, VolumeTerm};
+use super::grid::{Basis, Grid, Rows, SingleGrid, StiffnessForm, VolumeTerm};
 use crate::linalg::{Held, LinearOperator, ResidualUpdate, Workspace};
 
 /// An operator on free unknowns, the identity on held ones.
@@ -65,8 +65,12 @@ impl LinearOperator for Stiffness {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        let on = (self.basis, Rows::Free, self.volume);
-        self.grid.stiffness(on, x, y, work);
+        let form = StiffnessForm {
+            basis: self.basis,
+            rows: Rows::Free,
+            volume: self.volume,
+        };
+        self.grid.stiffness(form, x, y, work);
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {

@@ -1,6 +1,6 @@
 //! The matrix-free operators against element integrals written plainly.
 
-use super::grid::{Basis, GridSource, Rows, VolumeTerm};
+use super::grid::{Basis, GridSource, Rows, StiffnessForm, VolumeTerm};
 use super::mass::weighted_mass;
 use super::p1_stiffness::StiffCells;
 use super::simd::InstructionSet;
@@ -97,9 +97,14 @@ impl Sample {
         self.product((basis, rows, VolumeTerm::Own), x)
     }
 
-    fn product(&self, on: (Basis, Rows, VolumeTerm), x: &[f64]) -> Vec<f64> {
+    fn product(&self, (basis, rows, volume): (Basis, Rows, VolumeTerm), x: &[f64]) -> Vec<f64> {
+        let form = StiffnessForm {
+            basis,
+            rows,
+            volume,
+        };
         let mut y = vec![f64::NAN; x.len()];
-        self.grid.stiffness(on, x, &mut y, &mut Workspace::new());
+        self.grid.stiffness(form, x, &mut y, &mut Workspace::new());
         y
     }
 
@@ -476,8 +481,12 @@ fn every_instruction_set_gives_the_portable_result() {
             let mut work = Workspace::new();
             let (mut force, mut gradient) = (vec![0.0; size], vec![0.0; size]);
             let mut volume = vec![0.0; sample.space.vertices];
-            let on = (Basis::Lagrange, Rows::Free, VolumeTerm::Own);
-            grid.stiffness(on, &x, &mut force, &mut work);
+            let form = StiffnessForm {
+                basis: Basis::Lagrange,
+                rows: Rows::Free,
+                volume: VolumeTerm::Own,
+            };
+            grid.stiffness(form, &x, &mut force, &mut work);
             grid.divergence(Rows::All, &x, &mut volume, &mut work);
             grid.divergence_transposed(Rows::All, &p, &mut gradient, &mut work);
             let (mut joint, mut rate) = (vec![0.0; size], vec![0.0; p.len()]);

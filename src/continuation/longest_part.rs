@@ -18,7 +18,7 @@ use crate::model::travel::{March, least_distance, travel};
 const HARMLESS: f64 = 0.5;
 /// Least advance between poses that are looked at, over the tool's radius.
 const POSE_SPACING: f64 = 0.25;
-/// Bounded parts behind the first touch at most; a tool that would need more may pass.
+/// Bounded parts after the first touch at most; a tool that would need more may pass.
 pub(super) const MOST_PARTS: f64 = 1000.0;
 
 /// The longest part of the path from the drive of `state` to `goal` that may be taken from there,

@@ -304,10 +304,10 @@ fn rules(run: &Run<'_>) -> Rules {
     let has_friction = plan.has_friction();
     Rules {
         is_linear: run.model.is_linear() && !has_friction,
-        is_nested: plan.contact.method.is_nested(),
+        is_nested: plan.decisions.contact.method.is_nested(),
         has_friction: run.model.interfaces.friction.is_some(),
-        may_snap_through: run.model.is_rubber() && plan.may_fall(),
-        snaps_through: plan.falls(),
+        may_snap_through: run.model.is_rubber() && plan.may_snap_through(),
+        snaps_through: plan.snaps_through(),
     }
 }
 

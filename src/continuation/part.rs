@@ -4,7 +4,7 @@
 
 use std::time::Instant;
 
-use crate::diagnosis::uniqueness::look_for_a_rival;
+use crate::diagnosis::uniqueness::look_for_an_alternative;
 use crate::diagnosis::{explain, refuse_inside_out};
 use crate::force_control;
 use crate::model::drive::Drive;
@@ -24,7 +24,7 @@ pub(super) fn solve_part(run: &mut Run<'_>, drive: &Drive) -> Ending {
     centre_pressure(&run.model, run.state);
     refuse_inside_out(run, &mut ending);
     certify_timed(run, &mut ending);
-    look_for_a_rival(run, &mut ending);
+    look_for_an_alternative(run, &mut ending);
     ending
 }
 

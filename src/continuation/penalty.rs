@@ -35,8 +35,8 @@ pub(super) fn next_penalty(
     let largest = pressures.fold(0.0, |most: f64, p| most.max(p.abs()));
     let present = run.state.penalty.max(tried);
     let weight = run.model.plan.next_penalty(present, largest)?;
-    let is_needed =
-        !run.model.plan.falls() || lost.is_some_and(|mode| is_of_the_mesh(run, mode, weight));
+    let is_needed = !run.model.plan.snaps_through()
+        || lost.is_some_and(|mode| is_of_the_mesh(run, mode, weight));
     is_needed.then_some(weight)
 }
 

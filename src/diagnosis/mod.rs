@@ -43,8 +43,8 @@ pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
         return;
     }
     let touches = run.state.status.iter().any(|status| status.is_closed());
-    let is_loose = model.plan.is_floating() && !touches;
-    if slides_off(model, run.state).unwrap_or(is_loose) {
+    let has_rigid_modes = model.plan.is_floating() && !touches;
+    if slides_off(model, run.state).unwrap_or(has_rigid_modes) {
         ending.cause = Some(Cause::NoEquilibrium);
     } else if is_enclosed(model) || is_closed_by_contact(model, run.state, run.work) {
         ending.cause = Some(Cause::EnclosedVolume);
@@ -67,14 +67,14 @@ pub(crate) fn refuse_inside_out(run: &Run<'_>, ending: &mut Ending) {
     }
 }
 
-/// Whether the load on a body that one rough plane alone holds is outside of the cone of
+/// Whether the load on a body that one frictional plane alone holds is outside of the cone of
 /// friction; none for other bodies, and where the load is balanced in itself.
 fn slides_off(model: &Model<'_>, state: &State) -> Option<bool> {
-    let [planned] = &model.plan.obstacles[..] else {
+    let [planned] = &model.plan.problem.obstacles[..] else {
         return None;
     };
-    let is_held = !model.plan.resolved.supports.is_empty();
-    if is_held || planned.tresca.is_some() || !planned.is_rough || !planned.shape.is_flat() {
+    let is_held = !model.plan.problem.resolved.supports.is_empty();
+    if is_held || planned.tresca.is_some() || !planned.is_frictional || !planned.shape.is_flat() {
         return None;
     }
     let space = &model.prepared.space;
@@ -91,7 +91,7 @@ fn slides_off(model: &Model<'_>, state: &State) -> Option<bool> {
     let mut plane = [Contact::default()];
     for met in model
         .interfaces
-        .obstacles(&state.drive, model.plan.units.length)
+        .obstacles(&state.drive, model.plan.problem.units.length)
     {
         met.probe(&[[0.0; 3]], Derivatives::Normal, &mut plane);
     }

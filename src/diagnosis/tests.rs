@@ -1,4 +1,4 @@
-//! Loads on a block that stands on a rough plane, and lids over one in a box.
+//! Loads on a block that stands on a frictional plane, and lids over one in a box.
 
 use std::sync::Arc;
 

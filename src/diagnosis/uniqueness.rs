@@ -12,7 +12,7 @@
 use crate::inequality::dense_cone::{DenseSolution, cones, uniqueness};
 use crate::linalg::LinearOperator;
 use crate::linalg::vector::add_scaled;
-use crate::model::ending::{Ending, Rival};
+use crate::model::ending::{AlternativeEquilibrium, Ending};
 use crate::report::Termination;
 use crate::saddle::{ProductSet, Status};
 use crate::scene::MetricKind;
@@ -24,20 +24,20 @@ use crate::sqp::volumes::volumes;
 const MOST: usize = 900;
 
 /// Notes in `ending` what speaks for another equilibrium under the same drive.
-pub(crate) fn look_for_a_rival(run: &mut Run<'_>, ending: &mut Ending) {
+pub(crate) fn look_for_an_alternative(run: &mut Run<'_>, ending: &mut Ending) {
     let is_asked = ending.termination == Termination::Converged
         && run.model.interfaces.friction.is_some()
         && run.state.drive.friction.iter().any(|&mu| mu > 0.0)
-        // Where nothing has moved what was said behind the last increment holds.
+        // Where nothing has moved what was said after the last increment holds.
         && run.counters.sqp_iterations > 0
-        && run.model.plan.contact.metric == MetricKind::Compliance
+        && run.model.plan.decisions.contact.metric == MetricKind::Compliance
         && run.state.multiplier.len() <= MOST;
     if is_asked {
-        ending.rival = rival(run);
+        ending.alternative = alternative(run);
     }
 }
 
-fn rival(run: &mut Run<'_>) -> Option<Rival> {
+fn alternative(run: &mut Run<'_>) -> Option<AlternativeEquilibrium> {
     let now = run.evaluate();
     let prepared = run.model.prepared;
     let made = run.learned.refresh.made();
@@ -59,7 +59,7 @@ fn rival(run: &mut Run<'_>) -> Option<Rival> {
     let set = now.contact_set();
     let found = uniqueness(matrix, &linear, set, &known)?;
     let other = found.other?;
-    Some(Rival {
+    Some(AlternativeEquilibrium {
         indicator: found.indicator,
         own: counts(&set, &run.state.status)?,
         other: counts(&set, &other.status)?,

@@ -22,7 +22,7 @@ use crate::sqp::run::Run;
 const TOUCH: f64 = 1e-9;
 /// Distances that are looked at on the way.
 const MOST_DISTANCES: u32 = 200;
-/// Way over the body's length behind which nothing comes any more.
+/// Way over the body's length after which nothing comes any more.
 const FARTHEST: f64 = 1e3;
 /// First advance beyond touch, and the longest one.
 const ADVANCES: [f64; 2] = [1e-3, 0.3];
@@ -38,7 +38,7 @@ const NEAR: f64 = 0.02;
 /// meets nothing, and the state is as it was.
 pub(super) fn lead(run: &mut Run<'_>, controls: &[Control], goal: &[f64]) -> Option<Vec<f64>> {
     let poses = run.state.drive.poses.clone();
-    let step = step_behind_touch(run, controls, goal);
+    let step = step_after_touch(run, controls, goal);
     if step.is_none() {
         run.state.drive.poses = poses;
     }
@@ -46,7 +46,7 @@ pub(super) fn lead(run: &mut Run<'_>, controls: &[Control], goal: &[f64]) -> Opt
 }
 
 /// The same, with the poses of an obstacle that meets nothing as far as it went.
-fn step_behind_touch(run: &mut Run<'_>, controls: &[Control], goal: &[f64]) -> Option<Vec<f64>> {
+fn step_after_touch(run: &mut Run<'_>, controls: &[Control], goal: &[f64]) -> Option<Vec<f64>> {
     let mut push = vec![0.0; controls.len()];
     for (obstacle, force) in forces(controls, goal) {
         if !touches(run, obstacle) {
@@ -121,7 +121,7 @@ fn touches(run: &Run<'_>, obstacle: usize) -> bool {
 /// far; none where it passes by.
 fn advance(run: &mut Run<'_>, obstacle: usize, force: [f64; 3]) -> Option<f64> {
     let size = norm(&force);
-    let length = run.model.plan.units.length;
+    let length = run.model.plan.problem.units.length;
     let mut way = 0.0;
     for _ in 0..MOST_DISTANCES {
         let body = run.model.deformed(&run.state.displacement);
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn a_force_that_begins_behind_a_gap_is_met_however_small_it_is() {
+    fn a_force_that_begins_after_a_gap_is_met_however_small_it_is() {
         for (gap, force) in [(0.01, 1e-3), (0.01, 1e-9), (0.25, 1e-7), (1e-6, 1e-12)] {
             let exerted = |way: f64| 20.0 * (way - gap).max(0.0).powf(1.2);
             let found = exerted(secant_of_powers(exerted, force));

@@ -10,7 +10,7 @@ use crate::model::ending::Ending;
 use crate::report::Termination;
 use crate::sqp::push_stiffness::LONGEST;
 
-/// Growth of the misfit behind which a step is taken back.
+/// Growth of the misfit after which a step is taken back.
 const WORSE: f64 = 1.5;
 /// Part of a step that led away which is tried next.
 const SHORTER: f64 = 0.25;
@@ -55,7 +55,7 @@ impl Progress {
 }
 
 /// Where a search is.
-pub(super) struct Course {
+pub(super) struct BroydenIterate {
     /// The step that is tried next `[controls]`.
     pub(super) step: Vec<f64>,
     /// How far it was before.
@@ -72,7 +72,7 @@ pub(super) struct Course {
     pub(super) approaches: u32,
 }
 
-impl Course {
+impl BroydenIterate {
     /// A search that tries `step`.
     pub(super) fn new(step: Vec<f64>, before: Progress, tells: bool) -> Self {
         Self {
@@ -220,22 +220,22 @@ mod tests {
     #[test]
     fn a_step_below_the_error_of_the_solve_before_is_not_taken_back() {
         let converged = Ending::converged();
-        let rough = Progress {
+        let inexact = Progress {
             tolerance: 1e-3,
             ..progress(1e-8)
         };
         let grown = progress(2e-3);
-        let mut course = Course {
+        let mut iterate = BroydenIterate {
             expected: 1e-2,
-            ..Course::new(vec![1e-11], rough, true)
+            ..BroydenIterate::new(vec![1e-11], inexact, true)
         };
-        assert!(course.leads_away(&converged, &grown));
-        course.expected = 1e-8;
-        assert!(!course.leads_away(&converged, &grown));
+        assert!(iterate.leads_away(&converged, &grown));
+        iterate.expected = 1e-8;
+        assert!(!iterate.leads_away(&converged, &grown));
     }
 
-    fn course(step: f64, relative: f64) -> Course {
-        Course::new(vec![step], progress(relative), true)
+    fn iterate(step: f64, relative: f64) -> BroydenIterate {
+        BroydenIterate::new(vec![step], progress(relative), true)
     }
 
     fn progress(relative: f64) -> Progress {
@@ -250,22 +250,22 @@ mod tests {
 
     #[test]
     fn long_steps_that_take_nothing_off_are_slides() {
-        assert_eq!(course(LONGEST, 0.5).slides(&progress(0.49)), 1);
-        assert_eq!(course(LONGEST, 0.5).slides(&progress(0.4)), 0);
-        assert_eq!(course(0.1 * LONGEST, 0.5).slides(&progress(0.5)), 0);
+        assert_eq!(iterate(LONGEST, 0.5).slides(&progress(0.49)), 1);
+        assert_eq!(iterate(LONGEST, 0.5).slides(&progress(0.4)), 0);
+        assert_eq!(iterate(0.1 * LONGEST, 0.5).slides(&progress(0.5)), 0);
     }
 
     #[test]
     fn a_push_is_met_by_a_sharp_solve_only() {
         let floor = 1e-8;
-        assert!(course(0.0, 1e-3).is_there(&progress(1e-9), floor, floor));
-        assert!(!course(0.0, 1e-3).is_there(&progress(1e-9), 1e-3, floor));
-        assert!(!course(0.0, 1e-3).is_there(&progress(5e-8), floor, floor));
-        assert!(course(0.0, 6e-8).is_there(&progress(5e-8), floor, floor));
+        assert!(iterate(0.0, 1e-3).is_there(&progress(1e-9), floor, floor));
+        assert!(!iterate(0.0, 1e-3).is_there(&progress(1e-9), 1e-3, floor));
+        assert!(!iterate(0.0, 1e-3).is_there(&progress(5e-8), floor, floor));
+        assert!(iterate(0.0, 6e-8).is_there(&progress(5e-8), floor, floor));
         let beside_others = Progress {
             force_scale: 100.0,
             ..progress(5e-7)
         };
-        assert!(course(0.0, 1.0).is_there(&beside_others, floor, floor));
+        assert!(iterate(0.0, 1.0).is_there(&beside_others, floor, floor));
     }
 }

@@ -31,26 +31,26 @@ use crate::results::exerted::exerted;
 use crate::sqp::accuracy;
 use crate::sqp::push_stiffness::PushStiffness;
 use crate::sqp::run::Run;
-use broyden::{Course, Progress, Stall};
+use broyden::{BroydenIterate, Progress, Stall};
 use by_metric::by_metric;
 use gap_changes::gap_changes;
 use least_slip::least_slip;
 
 /// Solves at most.
 const MOST_SOLVES: u32 = 40;
-/// Steps that led away or nowhere, one after the other, behind which one more ends the search.
+/// Steps that led away or nowhere, one after the other, after which one more ends the search.
 const MOST_FAILURES: u32 = 6;
 /// Times that obstacles which the body has left are led back to it.
 const MOST_APPROACHES: u32 = 3;
 /// Accuracy of the first solve, and the misfit below which growth is no matter.
 const COARSE: f64 = 1e-3;
-/// Accuracy of the first solve behind touch for one component, of whose force the metric is
+/// Accuracy of the first solve after touch for one component, of whose force the metric is
 /// some tenths wrong; several have directions that hardly show, and want a sharper one.
 const ROUGH: f64 = 0.05;
 /// Accuracy of a solve over the misfit before it, for one component and for several, whose
 /// stiffness is learnt.
 const SHARPNESS: [f64; 2] = [0.05, 0.02];
-/// Share of the misfit left by a step behind which the stiffness wants to be learnt.
+/// Share of the misfit left by a step after which the stiffness wants to be learnt.
 const SLOW: f64 = 0.3;
 /// Share of the stiffness that the metric says, least and most, that is believed of a body.
 const STIFFER: [f64; 2] = [0.5, 2.0];
@@ -81,7 +81,7 @@ struct Balance {
     drive: Drive,
     /// df/dz as it is known; none before it is asked for.
     stiffness: Option<PushStiffness>,
-    /// How much stiffer than the metric says the body has shown to be behind touch.
+    /// How much stiffer than the metric says the body has shown to be after touch.
     stiffer: f64,
     /// Accuracy of the next solve, and that which the pushes shall be met to.
     tolerance: f64,
@@ -91,7 +91,7 @@ struct Balance {
 impl Balance {
     /// The search from the present poses of the state.
     fn new(run: &mut Run<'_>, drive: &Drive, controls: Vec<Control>) -> Self {
-        let units = &run.model.plan.units;
+        let units = &run.model.plan.problem.units;
         let goal = |control: &Control| {
             let push = drive.pushes[control.obstacle].components[control.axis];
             push.unwrap_or_default() / unit(units, control.axis)
@@ -111,54 +111,54 @@ impl Balance {
 
     /// Solves at one pose after the other until the pushes are met.
     fn reach(mut self, run: &mut Run<'_>) -> Ending {
-        let length = run.model.plan.units.length;
-        let (mut course, mut solves) = (self.begin(run), 0);
+        let length = run.model.plan.problem.units.length;
+        let (mut iterate, mut solves) = (self.begin(run), 0);
         let mut stall = Stall::default();
         loop {
             let kept = run.state.clone();
-            self.go(&course.step, length);
-            let (ending, after) = self.solved(run, &course);
+            self.go(&iterate.step, length);
+            let (ending, after) = self.solved(run, &iterate);
             if ending.is_stopped() {
                 return ending;
             }
             solves += 1;
-            if course.leads_away(&ending, &after) {
-                if course.failures == MOST_FAILURES || solves == MOST_SOLVES || run.is_spent() {
+            if iterate.leads_away(&ending, &after) {
+                if iterate.failures == MOST_FAILURES || solves == MOST_SOLVES || run.is_spent() {
                     return self.given_up(ending, &after);
                 }
                 run.state.clone_from(&kept);
-                self.go_back(&course.step, length);
-                course.shorten();
+                self.go_back(&iterate.step, length);
+                iterate.shorten();
                 continue;
             }
-            self.learn(&course, &after);
-            let is_there = course.is_there(&after, self.tolerance, self.floor);
+            self.learn(&iterate, &after);
+            let is_there = iterate.is_there(&after, self.tolerance, self.floor);
             if is_there || self.is_unresolved(run, &after) {
                 run.learned.under_pushes = self.stiffness;
                 return ending;
             }
-            stall.note(&course.step, &after);
+            stall.note(&iterate.step, &after);
             if stall.is_beyond_the_largest() {
                 return unmet(ending, Cause::NoEquilibrium, self.worst(&after.misfit));
             }
             if solves == MOST_SOLVES {
                 return self.given_up(ending, &after);
             }
-            match self.next(run, course, after) {
-                Ok(next) => course = next,
+            match self.next(run, iterate, after) {
+                Ok(next) => iterate = next,
                 Err((cause, control)) => return unmet(ending, cause, Some(control)),
             }
         }
     }
 
     /// Solves at the present poses, more sharply where the step that led to them does not show.
-    fn solved(&mut self, run: &mut Run<'_>, course: &Course) -> (Ending, Progress) {
+    fn solved(&mut self, run: &mut Run<'_>, iterate: &BroydenIterate) -> (Ending, Progress) {
         loop {
             let ending = accuracy::solve(&mut run.to(self.tolerance), &self.drive);
             let after = self.progress(run);
             let is_sharp = self.tolerance <= self.floor;
             let is_solved = ending.termination == Termination::Converged;
-            if is_sharp || !is_solved || !self.is_unnoticed(course, &after) {
+            if is_sharp || !is_solved || !self.is_unnoticed(iterate, &after) {
                 return (ending, after);
             }
             self.tolerance = (SHARPNESS[1] * self.tolerance).max(self.floor);
@@ -181,17 +181,17 @@ impl Balance {
     }
 
     /// Whether forces have hardly changed where the stiffness says that they do.
-    fn is_unnoticed(&self, course: &Course, after: &Progress) -> bool {
+    fn is_unnoticed(&self, iterate: &BroydenIterate, after: &Progress) -> bool {
         let expected = self
             .stiffness
             .as_ref()
-            .map_or(0.0, |stiffness| largest(&stiffness.product(&course.step)));
-        course.tells && largest(&course.change(after)) < UNNOTICED * expected
+            .map_or(0.0, |stiffness| largest(&stiffness.product(&iterate.step)));
+        iterate.tells && largest(&iterate.change(after)) < UNNOTICED * expected
     }
 
     /// The start from the poses of the state, of obstacles that touch; none takes a step
     /// where nothing says how far.
-    fn begin(&mut self, run: &mut Run<'_>) -> Course {
+    fn begin(&mut self, run: &mut Run<'_>) -> BroydenIterate {
         if let Some(step) = approach::lead(run, &self.controls, &self.goal) {
             return self.led(run, step);
         }
@@ -201,15 +201,15 @@ impl Balance {
             add_scaled(&mut step, 1.0, &rolling);
         }
         self.tolerance = COARSE.max(self.floor);
-        Course::new(step, before, self.is_only_pushed(run))
+        BroydenIterate::new(step, before, self.is_only_pushed(run))
     }
 
-    /// The start behind obstacles that were led to the body and take `step` into it.
-    fn led(&mut self, run: &Run<'_>, step: Vec<f64>) -> Course {
+    /// The start after obstacles that were led to the body and take `step` into it.
+    fn led(&mut self, run: &Run<'_>, step: Vec<f64>) -> BroydenIterate {
         self.drive = self.drive.carried_by(&run.state.drive);
         self.stiffness = None;
         self.tolerance = self.roughest().max(self.floor);
-        Course::new(step, self.progress(run), self.is_only_pushed(run))
+        BroydenIterate::new(step, self.progress(run), self.is_only_pushed(run))
     }
 
     /// The least accuracy of a solve.
@@ -225,22 +225,22 @@ impl Balance {
     fn next(
         &mut self,
         run: &mut Run<'_>,
-        course: Course,
+        iterate: BroydenIterate,
         after: Progress,
-    ) -> Result<Course, (Cause, Control)> {
+    ) -> Result<BroydenIterate, (Cause, Control)> {
         let (step, rest) = self.step(run, &after.misfit);
-        let slides = course.slides(&after);
+        let slides = iterate.slides(&after);
         let slid_away = || self.worst(&after.misfit).filter(|_| slides >= MOST_SLIDES);
         if let Some(control) = self.unbalanced(&rest, &after).or_else(slid_away) {
             // A tool that the body has left may meet it again farther along its force.
             let Some(step) = approach::lead(run, &self.controls, &self.goal) else {
                 return Err((Cause::NoEquilibrium, control));
             };
-            if course.approaches == MOST_APPROACHES {
+            if iterate.approaches == MOST_APPROACHES {
                 return Err((Cause::IterationLimit, control));
             }
-            let approaches = course.approaches + 1;
-            return Ok(Course {
+            let approaches = iterate.approaches + 1;
+            return Ok(BroydenIterate {
                 approaches,
                 ..self.led(run, step)
             });
@@ -252,17 +252,17 @@ impl Balance {
         };
         // A misfit below the error of the solve is small by chance.
         let misfit = after.relative.max(after.tolerance);
-        let is_slow = after.relative > SLOW * course.before.relative;
+        let is_slow = after.relative > SLOW * iterate.before.relative;
         let sharpness = SHARPNESS[usize::from(is_slow || self.controls.len() > 1)];
         let floor = self.floor;
         self.tolerance = (sharpness * misfit).clamp(floor, self.roughest().max(floor));
         let stiffness = self.stiffness.as_ref();
         let expected = stiffness.map_or(f64::INFINITY, |known| largest(&known.product(&step)));
-        Ok(Course {
+        Ok(BroydenIterate {
             slides,
-            approaches: course.approaches,
+            approaches: iterate.approaches,
             expected,
-            ..Course::new(step, after, true)
+            ..BroydenIterate::new(step, after, true)
         })
     }
 
@@ -286,24 +286,24 @@ impl Balance {
 
     /// Takes over what a step has changed; nothing of one that says nothing of the stiffness,
     /// which is then asked for anew.
-    fn learn(&mut self, course: &Course, after: &Progress) {
+    fn learn(&mut self, iterate: &BroydenIterate, after: &Progress) {
         let Some(stiffness) = &mut self.stiffness else {
-            // The step behind touch came from the metric, which was asked for the whole push.
+            // The step after touch came from the metric, which was asked for the whole push.
             if self.controls.len() == 1 {
                 self.stiffer = self.share(after).clamp(STIFFER[0], STIFFER[1]);
             }
             return;
         };
-        if !course.tells {
+        if !iterate.tells {
             self.stiffness = None;
             return;
         }
-        let change = course.change(after);
-        // Of a step too short to show in solves as rough as these nothing is learnt.
-        let expected = largest(&stiffness.product(&course.step));
-        let noise = after.noise().max(course.before.noise());
-        if course.is_felt() && largest(&change).max(expected) > noise {
-            stiffness.learn(&course.step, &change);
+        let change = iterate.change(after);
+        // Of a step too short to show in solves as inexact as these nothing is learnt.
+        let expected = largest(&stiffness.product(&iterate.step));
+        let noise = after.noise().max(iterate.before.noise());
+        if iterate.is_felt() && largest(&change).max(expected) > noise {
+            stiffness.learn(&iterate.step, &change);
         }
     }
 
@@ -314,7 +314,7 @@ impl Balance {
 
     /// f - F at the state.
     fn progress(&self, run: &Run<'_>) -> Progress {
-        let units = &run.model.plan.units;
+        let units = &run.model.plan.problem.units;
         let found = exerted(&run.model, run.state);
         let misfit = self.controls.iter().zip(&self.goal);
         let misfit = misfit.map(|(control, goal)| {

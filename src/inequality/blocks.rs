@@ -1,6 +1,6 @@
 //! The blocks of a problem by what the methods do with them.
 //!
-//! At most one block has a dense metric; it comes last, behind the equalities. A method
+//! At most one block has a dense metric; it comes last, after the equalities. A method
 //! that cannot take the blocks of a problem says so here, before it starts.
 
 use super::{BlockIterate, QpIterate, QpProblem, QpStatus};

@@ -337,11 +337,11 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
             // New directions would differ from the kept ones by rounding.
             self.run.directions.clear(self.run.work);
         }
-        let released = problem.curvature.map(|c| c as &dyn LinearOperator);
+        let geometric = problem.curvature.map(|c| c as &dyn LinearOperator);
         let blocks: &[EqualityBlock<'_>] = &self.blocks.equalities;
         let operator = SaddleOperator {
             stiffness: problem.stiffness,
-            released,
+            geometric,
             blocks,
         };
         let preconditioner =

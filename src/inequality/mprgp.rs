@@ -51,7 +51,7 @@ impl InequalitySolver for Mprgp<'_> {
 struct Memory {
     /// Inverse of the metric on the free set, kept as long as the set stays.
     preconditioner: InFace,
-    /// The next direction of the multiplier; none behind a projection, where conjugacy
+    /// The next direction of the multiplier; none after a projection, where conjugacy
     /// starts anew.
     conjugate: Option<Vec<f64>>,
 }

@@ -196,10 +196,10 @@ impl Faces<'_, '_> {
             },
             one_by_one: false,
             reduction: REVIEW,
-            friction: self.is_rough().then(Friction::new),
+            friction: self.is_frictional().then(Friction::new),
         };
         // Kept directions carry the products of the body alone; those of contact on this
-        // face are put on, and taken off behind the last face.
+        // face are put on, and taken off after the last face.
         self.attach(run, first);
         let mut status = outcome.status;
         while outcome.iterations < run.iterations {
@@ -253,10 +253,11 @@ impl Faces<'_, '_> {
                 .level_for(largest(&self.blocks.contact_of(iterate).multiplier));
             let is_sharp = level >= run.targets.level;
             run.targets.level = level;
-            return match face.reached && is_sharp {
-                true if !is_end && history.sharpens() => ControlFlow::Continue(()),
-                true => ControlFlow::Break(QpStatus::Solved),
-                false => ControlFlow::Continue(()),
+            let goes_on = !face.reached || !is_sharp || (!is_end && history.sharpens());
+            return if goes_on {
+                ControlFlow::Continue(())
+            } else {
+                ControlFlow::Break(QpStatus::Solved)
             };
         };
         if next.status != self.blocks.contact_of(iterate).status {

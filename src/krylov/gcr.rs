@@ -281,10 +281,16 @@ fn advance(
     }
     let (kept, images) = directions.group(last);
     let overlaps = Overlaps::of(product, r, &images);
+    let step = Step {
+        direction,
+        product,
+        x,
+        r,
+    };
     let before = *before.get_or_insert(overlaps.square);
     let rest = overlaps.rest();
     if rest.is_nan() || rest <= MOST_LOST * MOST_LOST * before {
-        return advance_with_care(directions, before.sqrt(), (direction, product), (x, r));
+        return advance_with_care(directions, before.sqrt(), step);
     }
     let length = rest.sqrt();
     let by = Combination {
@@ -294,12 +300,6 @@ fn advance(
         length,
         step: overlaps.along / length,
     };
-    let step = Step {
-        direction,
-        product,
-        x,
-        r,
-    };
     Taken {
         length,
         square: step.take(&by),
@@ -308,12 +308,13 @@ fn advance(
 }
 
 /// [`advance`] one operation after the other; `before` is the length that the product had.
-fn advance_with_care(
-    directions: &Directions,
-    before: f64,
-    (direction, product): (&mut [f64], &mut [f64]),
-    (x, r): (&mut [f64], &mut [f64]),
-) -> Taken {
+fn advance_with_care(directions: &Directions, before: f64, step: Step<'_>) -> Taken {
+    let Step {
+        direction,
+        product,
+        x,
+        r,
+    } = step;
     let length = orthogonalise(directions, direction, product);
     let is_spent = length < SPENT * before && !directions.pairs.is_empty();
     if length > 0.0 && length.is_finite() && !is_spent {

@@ -13,7 +13,7 @@ use crate::linalg::eigen::least_of_tridiagonal;
 use crate::linalg::vector::{add_scaled, dot, scale, scale_and_add};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
-/// Steps before a Ritz value is believed: fewer see the rough motions only.
+/// Steps before a Ritz value is believed: fewer see the motions of short waves only.
 const FIRST_STEPS: usize = 8;
 /// Probability that a lower eigenvalue has not shown, at most.
 const MISSED: f64 = 1e-3;
@@ -103,10 +103,12 @@ impl Basis {
         for (share, vector) in least.shares.iter().zip(&self.vectors) {
             add_scaled(&mut sum, *share, vector);
         }
-        match least.value > 0.0 {
-            true if least.is_found => Least::Positive(sum, least.value),
-            true => Least::NotFound(sum),
-            false => Least::Negative(sum),
+        if least.value <= 0.0 || least.value.is_nan() {
+            Least::Negative(sum)
+        } else if least.is_found {
+            Least::Positive(sum, least.value)
+        } else {
+            Least::NotFound(sum)
         }
     }
 }

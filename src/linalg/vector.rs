@@ -160,10 +160,12 @@ pub fn power_of_two_below(value: f64) -> f64 {
 /// value / scale; zero where there is nothing to scale, not a number where one of
 /// them is not.
 pub fn ratio(value: f64, scale: f64) -> f64 {
-    match value == 0.0 && !scale.is_nan() {
-        true => 0.0,
-        false if scale < f64::MIN_POSITIVE => value / f64::MIN_POSITIVE,
-        false => value / scale,
+    if value == 0.0 && !scale.is_nan() {
+        0.0
+    } else if scale < f64::MIN_POSITIVE {
+        value / f64::MIN_POSITIVE
+    } else {
+        value / scale
     }
 }
 

@@ -19,9 +19,9 @@ pub(crate) fn contact_moduli(
     (mesh, space): (&Mesh, &TaylorHood),
     surfaces: &[(&[u32], &ContactSurface)],
 ) -> Vec<f64> {
-    let materials = plan.resolved.materials.iter();
+    let materials = plan.problem.resolved.materials.iter();
     let shear: Vec<f64> = materials
-        .map(|material| material.law.shear_modulus / plan.units.stress)
+        .map(|material| material.law.shear_modulus / plan.problem.units.stress)
         .collect();
     let are_alike = shear
         .windows(2)
@@ -47,7 +47,7 @@ fn at_nodes(plan: &Plan, (mesh, space): (&Mesh, &TaylorHood), shear: &[f64]) -> 
     let mut at_node = vec![0.0_f64; space.nodes()];
     let per_cell = mesh.cell_kind().edges().len();
     for (cell, edges) in mesh.cell_edges().chunks_exact(per_cell).enumerate() {
-        let own = shear[usize::from(plan.resolved.cell_material[cell])];
+        let own = shear[usize::from(plan.problem.resolved.cell_material[cell])];
         let middles = edges.iter().map(|&edge| space.vertices + edge as usize);
         let corners = mesh.cell(cell).iter().map(|&vertex| vertex as usize);
         for node in corners.chain(middles) {

@@ -59,7 +59,7 @@ pub(crate) struct Drive {
     /// What each obstacle shall exert, in the order of the plan; empty where all are led.
     pub(crate) pushes: Vec<Push>,
     /// Coefficient of friction of each obstacle, in the order of the plan; constant through
-    /// a step. Empty where no obstacle is rough.
+    /// a step. Empty where no obstacle is frictional.
     pub(crate) friction: Vec<f64>,
     /// Prescribed components of each support; a normal component stands first.
     pub(crate) supports: Vec<[f64; 3]>,
@@ -80,10 +80,11 @@ impl Drive {
 
     /// The undeformed state.
     pub(crate) fn undeformed(plan: &Plan) -> Self {
-        let supports = plan.resolved.supports.len();
+        let supports = plan.problem.resolved.supports.len();
         Self {
             load: 0.0,
             poses: plan
+                .problem
                 .obstacles
                 .iter()
                 .map(|obstacle| ObstaclePose {
@@ -93,7 +94,11 @@ impl Drive {
                 .collect(),
             pushes: Vec::new(),
             friction: if plan.has_friction() {
-                plan.obstacles.iter().map(|one| one.friction).collect()
+                plan.problem
+                    .obstacles
+                    .iter()
+                    .map(|one| one.friction)
+                    .collect()
             } else {
                 Vec::new()
             },
@@ -108,6 +113,7 @@ impl Drive {
         Self {
             load: 1.0,
             supports: plan
+                .problem
                 .resolved
                 .supports
                 .iter()
@@ -195,7 +201,7 @@ impl Drive {
     /// Sets displacement and motion of the support that a step names; what the step
     /// leaves out keeps its value.
     fn hold(&mut self, plan: &Plan, target: &SupportTarget) {
-        let mut supports = plan.resolved.supports.iter();
+        let mut supports = plan.problem.resolved.supports.iter();
         let Some(index) = supports.position(|support| support.name == target.name) else {
             return;
         };
@@ -218,7 +224,7 @@ impl Drive {
 
     /// Whether the body of `plan` has a load under this drive, but for its factor.
     pub(crate) fn has_loads(&self, plan: &Plan) -> bool {
-        plan.resolved.is_loaded() || !self.given.is_unloaded()
+        plan.problem.resolved.is_loaded() || !self.given.is_unloaded()
     }
 
     /// r where the way from `to` to this drive is r times that from `from` to `to`,

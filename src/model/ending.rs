@@ -20,7 +20,7 @@ pub(crate) struct Estimate {
     pub(crate) parts: Vec<[f64; 2]>,
 }
 
-/// A fall from an equilibrium that was lost to the next minimum, non-dimensional.
+/// A snap-through from a lost equilibrium to the next minimum, non-dimensional.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Snap {
     /// Potential energy that was lost.
@@ -34,7 +34,7 @@ pub(crate) struct Snap {
 }
 
 impl Snap {
-    /// Both falls of an increment: all energy, and the larger motion.
+    /// Both snap-throughs of an increment: all energy, and the larger motion.
     pub(crate) fn and(self, other: Self) -> Self {
         let larger = if other.largest_motion > self.largest_motion {
             other
@@ -73,11 +73,11 @@ impl Site {
     /// In the caller's units and names.
     pub(crate) fn in_words_of(self, plan: &Plan) -> CauseSite {
         let key = |control: Control| {
-            let obstacle = plan.obstacles.get(control.obstacle)?;
+            let obstacle = plan.problem.obstacles.get(control.obstacle)?;
             Some(format!("obstacle.{}.{}", obstacle.name, control.key()))
         };
         CauseSite {
-            point: self.point.map(|point| plan.units.of_mesh(point)),
+            point: self.point.map(|point| plan.problem.units.of_mesh(point)),
             motion: self.motion,
             key: self.unbalanced.and_then(key),
         }
@@ -86,7 +86,7 @@ impl Site {
 
 /// Another equilibrium under the same drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Rival {
+pub(crate) struct AlternativeEquilibrium {
     /// How strongly pressures wedge each other: from one on there may be several.
     pub(crate) indicator: f64,
     /// Points that stick, slip and are open at the equilibrium that was found.
@@ -118,10 +118,10 @@ pub(crate) struct Ending {
     pub(crate) estimate: Option<Estimate>,
     /// What kind of equilibrium it is, where one was reached and certified.
     pub(crate) stability: Option<Stability>,
-    /// The fall on the way; none where every equilibrium was followed.
+    /// The snap-through on the way; none where every equilibrium was followed.
     pub(crate) snapped: Option<Snap>,
     /// Another equilibrium that friction may admit; none where none was found.
-    pub(crate) rival: Option<Rival>,
+    pub(crate) alternative: Option<AlternativeEquilibrium>,
 }
 
 impl Ending {
@@ -139,7 +139,7 @@ impl Ending {
             estimate: None,
             stability: None,
             snapped: None,
-            rival: None,
+            alternative: None,
         }
     }
 

@@ -251,14 +251,14 @@ impl Evaluation {
             bounds: &law.bounds,
             components: law.components,
         };
-        let rough = law.normals + law.tractions();
+        let frictional = law.normals + law.tractions();
         ProductSet::Pair([
             SetPart {
-                size: rough,
+                size: frictional,
                 set: AdmissibleSet::Cones(cones),
             },
             SetPart {
-                size: self.gap.len() - rough,
+                size: self.gap.len() - frictional,
                 set: AdmissibleSet::Free,
             },
         ])

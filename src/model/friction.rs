@@ -1,4 +1,4 @@
-//! Friction on the obstacles that are rough: tractions with their slip and their bounds.
+//! Friction on the obstacles with friction: tractions with their slip and their bounds.
 //!
 //! ```text
 //! S_i = int phi_i [ x - Q x0 ] dS + Q r_i,   s_i = T_i S_i,   T_i = I - n_i n_i^T
@@ -13,9 +13,9 @@
 //! body, over the deformed one of a body of finite strain. What a
 //! support holds at the node of a point drops out of its traction and its slip.
 //!
-//! Points stand obstacle by obstacle in the order of its multipliers; where two rough
+//! Points stand obstacle by obstacle in the order of its multipliers; where two frictional
 //! obstacles have a common multiplier each has a point of its own on its own faces. Numbers
-//! of a point lie side by side, behind all pressures.
+//! of a point lie side by side, after all pressures.
 //! Cost: the mass of the traces once; then a sparse product, and mean normals of curved
 //! obstacles, an evaluation.
 
@@ -48,7 +48,7 @@ pub(crate) use points::Point;
 /// Coefficient over the tolerance up to which tractions are within what a residual may leave.
 const NEGLIGIBLE: f64 = 0.1;
 
-/// The rough obstacles' points.
+/// The frictional obstacles' points.
 #[derive(Debug)]
 pub(crate) struct Friction {
     /// The points, in the order of their multipliers.
@@ -111,7 +111,7 @@ pub(crate) struct Slips {
 /// The points' pressures and how far their tractions may go.
 #[derive(Clone, Debug)]
 pub(crate) struct Law {
-    /// Number of pressures of all obstacles, rough or not.
+    /// Number of pressures of all obstacles, frictional or not.
     pub(crate) normals: usize,
     /// The pressure of each point `[points]`.
     pub(crate) partners: Arc<[u32]>,
@@ -138,23 +138,23 @@ impl Law {
 
 impl Friction {
     /// Of the interfaces of `plan`, multipliers and surface, on the undeformed `body`; none
-    /// where no obstacle is rough.
+    /// where no obstacle is frictional.
     pub(crate) fn new(
         plan: &Plan,
         body: &Deformed<'_>,
         list: &[(&[u32], &ContactSurface)],
     ) -> Option<Self> {
         let first = plan.normal_multipliers();
-        let components = match plan.units.dimension {
+        let components = match plan.problem.units.dimension {
             2 => Components::One,
             _ => Components::Two,
         };
         let (mut points, mut partners) = (Vec::new(), Vec::new());
         let mut surfaces = Vec::new();
-        let (obstacles, guides) = list.split_at(plan.obstacles.len());
+        let (obstacles, guides) = list.split_at(plan.problem.obstacles.len());
         let guided = guided(guides.iter().map(|(_, surface)| *surface));
         for (obstacle, (multipliers, surface)) in obstacles.iter().enumerate() {
-            if !plan.obstacles[obstacle].is_rough {
+            if !plan.problem.obstacles[obstacle].is_frictional {
                 continue;
             }
             let components = body.space.components;
@@ -178,11 +178,11 @@ impl Friction {
 
     /// The law where `drive` has the coefficients.
     pub(crate) fn law(&self, plan: &Plan, drive: &Drive) -> Law {
-        let bound = |point: &Point| match plan.obstacles[point.obstacle].tresca {
-            Some(bound) => FrictionBound::Tresca(bound / plan.units.stress),
+        let bound = |point: &Point| match plan.problem.obstacles[point.obstacle].tresca {
+            Some(bound) => FrictionBound::Tresca(bound / plan.problem.units.stress),
             None => {
                 let coefficient = drive.friction[point.obstacle];
-                let is_felt = coefficient > NEGLIGIBLE * plan.settings.tolerance;
+                let is_felt = coefficient > NEGLIGIBLE * plan.problem.settings.tolerance;
                 FrictionBound::Coulomb(if is_felt { coefficient } else { 0.0 })
             }
         };
@@ -239,7 +239,7 @@ impl Friction {
             .collect();
         let moved = traces.moved(c, &change);
         let before = traces.moments(c, &start.displacement);
-        let length = model.plan.units.length;
+        let length = model.plan.problem.units.length;
         let [from, to] =
             [&start.drive, &state.drive].map(|drive| model.interfaces.obstacles(drive, length));
         let points = self.points.iter().zip(&traces.weights);
@@ -262,12 +262,12 @@ impl Friction {
             let Some(obstacle) = met.obstacle() else {
                 continue;
             };
-            if !model.plan.obstacles[index].is_rough {
+            if !model.plan.problem.obstacles[index].is_frictional {
                 continue;
             }
             let (own, rest) = points.split_at(interface.multipliers.len());
             let normals = normals(&body, &interface.surface, obstacle);
-            let dimension = model.plan.units.dimension;
+            let dimension = model.plan.problem.units.dimension;
             frames.extend(
                 own.iter()
                     .zip(normals)

@@ -22,7 +22,7 @@ pub(crate) struct Given {
 impl Given {
     /// Those of the scene.
     pub(crate) fn of_scene(plan: &Plan) -> Self {
-        let resolved = &plan.resolved;
+        let resolved = &plan.problem.resolved;
         let body = std::iter::once(&resolved.body_force_values);
         Self {
             supports: unless_none(resolved.supports.iter().map(|one| &one.values)),
@@ -34,7 +34,7 @@ impl Given {
     /// With those that a step names, which has been checked.
     pub(crate) fn after(&self, (plan, mesh): (&Plan, &Mesh), step: &Step) -> Self {
         let mut next = self.clone();
-        let resolved = &plan.resolved;
+        let resolved = &plan.problem.resolved;
         // Faults have been told when the step was checked.
         let mut told = Faults::default();
         let mut spread = |values, ground| resolve_values(values, (ground, mesh), "", &mut told);

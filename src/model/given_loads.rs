@@ -34,7 +34,7 @@ pub(crate) fn dead_load<'a>(model: &Model<'a>, drive: &Drive) -> Cow<'a, [f64]> 
 
 /// Adds what is given to `load` `[displacement]`.
 fn add_given(model: &Model<'_>, drive: &Drive, load: &mut [f64]) {
-    let (cell, facet) = simplices(model.plan.units.dimension);
+    let (cell, facet) = simplices(model.plan.problem.units.dimension);
     let bent = match model.mesh.edge_offsets() {
         [] => 0,
         _ => CURVED,
@@ -44,10 +44,10 @@ fn add_given(model: &Model<'_>, drive: &Drive, load: &mut [f64]) {
     let surface = Integral {
         mesh: model.mesh,
         space: &model.prepared.space,
-        scale: model.plan.units.coordinate_scale,
+        scale: model.plan.problem.units.coordinate_scale,
         rule: &facet_rule,
     };
-    let tractions = model.plan.resolved.tractions.iter();
+    let tractions = model.plan.problem.resolved.tractions.iter();
     for (traction, spread) in tractions.zip(&drive.given.tractions) {
         if !spread.is_zero() {
             add_traction(model, &surface, (&traction.facets, spread), load);
@@ -68,7 +68,7 @@ fn add_traction(
     (facets, spread): (&[u32], &Spread),
     load: &mut [f64],
 ) {
-    let unit = 1.0 / model.plan.units.stress;
+    let unit = 1.0 / model.plan.problem.units.stress;
     let space = &model.prepared.space;
     for &index in facets {
         let vertices = model.mesh.facet(index as usize);
@@ -91,7 +91,7 @@ fn add_traction(
 }
 
 fn add_body_force(model: &Model<'_>, body: &Integral<'_>, spread: &Spread, load: &mut [f64]) {
-    let unit = 1.0 / model.plan.units.body_force();
+    let unit = 1.0 / model.plan.problem.units.body_force();
     let geometry = &model.prepared.geometry;
     let locals = (0..model.mesh.cell_count()).map(|cell| {
         let nodes: Vec<u32> = body.nodes(cell).collect();

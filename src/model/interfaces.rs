@@ -36,7 +36,7 @@ use crate::plan::Plan;
 use crate::plan::surfaces::ContactLayout;
 use crate::saddle::{AdmissibleSet, SetPart};
 use crate::scene::ContactSpace;
-use crate::scene::validate::{ResolvedObstacle, ResolvedSupport};
+use crate::scene::validate::ResolvedObstacle;
 use crate::space::TaylorHood;
 
 /// Component of a unit normal that counts as one.
@@ -177,13 +177,18 @@ pub(crate) struct Interfaces {
     pub(crate) moduli: Vec<f64>,
     /// Number of contact pressures of all obstacles, which come first.
     normals: usize,
-    /// Tractions of rough obstacles; none where there are none.
+    /// Tractions of frictional obstacles; none where there are none.
     pub(crate) friction: Option<Friction>,
 }
 
 /// Degree of the rule that all contact integrals take.
 fn contact_degree(plan: &Plan) -> u32 {
-    if plan.obstacles.iter().all(|one| one.shape.is_smooth()) {
+    if plan
+        .problem
+        .obstacles
+        .iter()
+        .all(|one| one.shape.is_smooth())
+    {
         FACE_DEGREE
     } else {
         KINKED_DEGREE
@@ -193,20 +198,24 @@ fn contact_degree(plan: &Plan) -> u32 {
 impl Interfaces {
     /// Those of `plan`.
     pub(crate) fn new(plan: &Plan, mesh: &Mesh, space: &TaylorHood) -> Self {
-        let obstacles = plan.obstacles.iter().zip(&plan.contact_layouts);
+        let obstacles = plan
+            .problem
+            .obstacles
+            .iter()
+            .zip(&plan.problem.contact_layouts);
         let contacts = obstacles.map(|obstacle| of_obstacle(plan, mesh, space, obstacle));
-        let supports = plan.resolved.supports.iter().enumerate();
+        let supports = plan.problem.resolved.supports.iter().enumerate();
         let guides = supports.flat_map(|(index, support)| {
             let patches = support.patches.iter();
-            patches.map(move |patch| of_patch(plan, mesh, space, (index, support, patch)))
+            patches.map(move |patch| of_patch(plan, mesh, space, (index, patch)))
         });
         let mut list: Vec<Interface> = contacts.chain(guides).collect();
         number_guides(plan, &mut list);
-        let rule = face_rule(plan.units.dimension, contact_degree(plan));
+        let rule = face_rule(plan.problem.units.dimension, contact_degree(plan));
         let at_rest = vec![0.0; space.displacement_unknowns()];
         let body = Deformed {
             mesh,
-            scale: plan.units.coordinate_scale,
+            scale: plan.problem.units.coordinate_scale,
             space,
             displacement: &at_rest,
             rule: &rule,
@@ -284,7 +293,7 @@ impl Interfaces {
 
 /// Half lines of contact, then lines of guides; what is not there is no part.
 fn sets(plan: &Plan) -> Vec<SetPart<'static>> {
-    let guided = plan.guided_multipliers;
+    let guided = plan.problem.guided_multipliers;
     let contacts = plan.normal_multipliers();
     let parts = [
         (contacts, AdmissibleSet::NonNegative),
@@ -294,9 +303,9 @@ fn sets(plan: &Plan) -> Vec<SetPart<'static>> {
     parts.map(|(size, set)| SetPart { size, set }).collect()
 }
 
-/// Numbers the multipliers of guides behind those of obstacles, in their order.
+/// Numbers the multipliers of guides after those of obstacles, in their order.
 fn number_guides(plan: &Plan, list: &mut [Interface]) {
-    let mut next = (plan.unknowns().contact as usize - plan.guided_multipliers) as u32;
+    let mut next = (plan.unknowns().contact as usize - plan.problem.guided_multipliers) as u32;
     for interface in list.iter_mut().filter(|interface| !interface.is_contact()) {
         let own = interface.surface.multipliers() as u32;
         interface.multipliers = (next..next + own).collect();
@@ -317,7 +326,7 @@ fn of_obstacle(
     let is_curved = bare.faces.iter().any(|face| face.curve.is_some());
     Interface {
         name: obstacle.name.clone(),
-        surface: match plan.contact_space {
+        surface: match plan.problem.contact_space {
             ContactSpace::Linear => bare,
             ContactSpace::Quadratic => bare.with_layout(&Bernstein, planned.layout.clone()),
         },
@@ -338,12 +347,12 @@ fn of_patch(
     plan: &Plan,
     mesh: &Mesh,
     space: &TaylorHood,
-    (index, support, patch): (usize, &ResolvedSupport, &Vec<u32>),
+    (index, patch): (usize, &Vec<u32>),
 ) -> Interface {
     let facets: Vec<Vec<u32>> = patch.iter().map(|&f| outward(mesh, f)).collect();
     let surface = surface(plan, mesh, space, &facets).with_basis(&Bernstein);
     Interface {
-        name: support.name.clone(),
+        name: plan.problem.resolved.supports[index].name.clone(),
         idle: idle(plan, &surface, space.components),
         surface,
         sagittas: Vec::new(),
@@ -356,7 +365,7 @@ fn of_patch(
 /// The contact surface of those facets `[facets][vertices]`, with the measure of the
 /// scene's geometry.
 fn surface(plan: &Plan, mesh: &Mesh, space: &TaylorHood, facets: &[Vec<u32>]) -> ContactSurface {
-    let scale = plan.units.coordinate_scale;
+    let scale = plan.problem.units.coordinate_scale;
     if plan.is_axisymmetric() {
         ContactSurface::about_axis(mesh, space, scale, facets)
     } else {
@@ -381,6 +390,7 @@ fn guide(drive: &Drive, support: usize, length: f64) -> Guide {
 fn idle(plan: &Plan, surface: &ContactSurface, components: usize) -> Vec<u32> {
     let is_held = |unknown: u32| {
         let held = plan
+            .problem
             .held
             .binary_search_by_key(&unknown, |(unknown, _)| *unknown);
         held.is_ok()

@@ -9,7 +9,7 @@
 
 use super::Model;
 use super::state::State;
-use crate::assembly::grid::{Basis, Rows, VolumeTerm};
+use crate::assembly::grid::{Basis, Rows, StiffnessForm, VolumeTerm};
 use crate::assembly::strain::Response;
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Workspace};
@@ -52,7 +52,11 @@ fn linear_force(model: &Model<'_>, state: &State, work: &mut Workspace) -> Vec<f
     let grid = &model.prepared.grid;
     let mut force = vec![0.0; state.displacement.len()];
     grid.stiffness(
-        (Basis::Hierarchical, Rows::All, VolumeTerm::Own),
+        StiffnessForm {
+            basis: Basis::Hierarchical,
+            rows: Rows::All,
+            volume: VolumeTerm::Own,
+        },
         &state.displacement,
         &mut force,
         work,

@@ -1,5 +1,5 @@
 //! Gaps and coupling of all multipliers from those of the interfaces: the sums where
-//! surfaces have common multipliers, one behind the other elsewhere. Cost: one pass over
+//! surfaces have common multipliers, one after the other elsewhere. Cost: one pass over
 //! the entries.
 
 use super::friction::{Friction, Slips};
@@ -39,7 +39,7 @@ impl Joined {
         }
     }
 
-    /// Puts the slips of friction and their rows behind the pressures.
+    /// Puts the slips of friction and their rows after the pressures.
     pub(crate) fn add_friction(&mut self, friction: &Friction, slips: Slips) {
         let own = friction.first..friction.first + friction.size();
         self.gap[own.clone()].copy_from_slice(&slips.slip);

@@ -38,7 +38,7 @@ pub(crate) fn simplices(dimension: usize) -> (Simplex, Simplex) {
 /// All loads of the scene.
 pub(crate) fn reference_load(plan: &Plan, mesh: &Mesh, prepared: &TaylorHoodData) -> Vec<f64> {
     let mut load = vec![0.0; prepared.space.displacement_unknowns()];
-    match &plan.resolved.manufactured {
+    match &plan.problem.resolved.manufactured {
         Some(field) => add_manufactured(plan, mesh, prepared, field, &mut load),
         None => add_constant(plan, mesh, prepared, &mut load),
     }
@@ -48,8 +48,8 @@ pub(crate) fn reference_load(plan: &Plan, mesh: &Mesh, prepared: &TaylorHoodData
 /// Adds constant tractions and the body force to `load` `[displacement]`, integrated
 /// exactly; about an axis with the radius as weight.
 fn add_constant(plan: &Plan, mesh: &Mesh, prepared: &TaylorHoodData, load: &mut [f64]) {
-    let (cell, facet) = simplices(plan.units.dimension);
-    let scale = plan.units.coordinate_scale;
+    let (cell, facet) = simplices(plan.problem.units.dimension);
+    let scale = plan.problem.units.coordinate_scale;
     let is_turned = plan.is_axisymmetric();
     let degree = match (is_turned, mesh.edge_offsets().is_empty()) {
         (_, false) => CURVED_DEGREE,
@@ -70,19 +70,20 @@ fn add_constant(plan: &Plan, mesh: &Mesh, prepared: &TaylorHoodData, load: &mut 
         scale,
         rule: &surface_rule,
     };
-    for traction in &plan.resolved.tractions {
-        let value = traction.value.map(|t| t / plan.units.stress);
+    for traction in &plan.problem.resolved.tractions {
+        let value = traction.value.map(|t| t / plan.problem.units.stress);
         for &index in &traction.facets {
             let vertices = mesh.facet(index as usize);
             let facet = LoadedFacet::new(mesh, vertices, scale);
             surface.add_traction(&facet, &|x, _| turn(value, x), load);
         }
     }
-    if plan.resolved.has_body_force() {
+    if plan.problem.resolved.has_body_force() {
         let value = plan
+            .problem
             .resolved
             .body_force
-            .map(|f| f / plan.units.body_force());
+            .map(|f| f / plan.problem.units.body_force());
         let volume_rule = rule(cell, degree);
         let radii = &prepared.geometry.radii;
         let density = |cell: usize, x: [f64; 3]| match radii.get(cell) {
@@ -106,14 +107,14 @@ fn add_manufactured(
     field: &Manufactured,
     load: &mut [f64],
 ) {
-    let (cell, facet) = simplices(plan.units.dimension);
-    let degree = plan.settings.quadrature_degree;
+    let (cell, facet) = simplices(plan.problem.units.dimension);
+    let degree = plan.problem.settings.quadrature_degree;
     let degree = degree.unwrap_or(MANUFACTURED_DEGREE);
-    let scale = plan.units.coordinate_scale;
-    let units = plan.units;
+    let scale = plan.problem.units.coordinate_scale;
+    let units = plan.problem.units;
     let shear = |cell: usize| {
-        let index = usize::from(plan.resolved.cell_material[cell]);
-        plan.resolved.materials[index].law.shear_modulus
+        let index = usize::from(plan.problem.resolved.cell_material[cell]);
+        plan.problem.resolved.materials[index].law.shear_modulus
     };
     let force = |cell: usize, x: [f64; 3]| {
         field

@@ -84,7 +84,7 @@ impl<'a> Model<'a> {
     {
         Deformed {
             mesh: self.mesh,
-            scale: self.plan.units.coordinate_scale,
+            scale: self.plan.problem.units.coordinate_scale,
             space: &self.prepared.space,
             displacement,
             rule: &self.interfaces.rule,
@@ -107,7 +107,7 @@ impl<'a> Model<'a> {
         let first = node * self.prepared.space.components;
         let moved = displacement.get(first..).unwrap_or(&[]);
         let moved = moved.iter().take(self.prepared.space.components);
-        let mut place = rest.map(|x| self.plan.units.coordinate_scale * x);
+        let mut place = rest.map(|x| self.plan.problem.units.coordinate_scale * x);
         place.iter_mut().zip(moved).for_each(|(x, u)| *x += u);
         place
     }
@@ -115,8 +115,15 @@ impl<'a> Model<'a> {
     /// The interfaces of frictional obstacles with the numbers of these, in the order of the
     /// points of friction.
     pub(crate) fn frictional(&self) -> impl Iterator<Item = (usize, &'a Interface)> {
-        let obstacles = self.plan.obstacles.iter().zip(&self.interfaces.list);
-        let frictional = obstacles.enumerate().filter(|(_, (one, _))| one.is_rough);
+        let obstacles = self
+            .plan
+            .problem
+            .obstacles
+            .iter()
+            .zip(&self.interfaces.list);
+        let frictional = obstacles
+            .enumerate()
+            .filter(|(_, (one, _))| one.is_frictional);
         frictional.map(|(index, (_, interface))| (index, interface))
     }
 
@@ -148,7 +155,9 @@ impl<'a> Model<'a> {
     ) -> impl Iterator<Item = (&'a Interface, Placed)> {
         let depths = depths.clone();
         let rule = &self.interfaces.rule;
-        let placed = self.interfaces.placed(drive, self.plan.units.length);
+        let placed = self
+            .interfaces
+            .placed(drive, self.plan.problem.units.length);
         placed.map(move |(interface, met)| {
             if depths.is_empty() {
                 (interface, met)

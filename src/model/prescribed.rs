@@ -23,13 +23,13 @@ const SETTLED: f64 = 1e-14;
 pub(crate) fn prescribe(model: &Model<'_>, drive: &Drive, displacement: &mut [f64]) {
     let space = &model.prepared.space;
     let c = space.components;
-    for &(unknown, support) in &model.plan.held {
+    for &(unknown, support) in &model.plan.problem.held {
         let (node, i) = (unknown as usize / c, unknown as usize % c);
         let position = || space.node_place(model.mesh, node as u32);
         let value = prescribed_value(model.plan, drive, (usize::from(support), i), &position);
         let given = drive.given.supports.get(usize::from(support));
         let given = given.map_or(0.0, |spread| spread.nodes.at(node as u32)[i]);
-        let value = value + given / model.plan.units.length;
+        let value = value + given / model.plan.problem.units.length;
         displacement[unknown as usize] = match node.checked_sub(space.vertices) {
             None => value,
             // Both ends are held too and, being vertices, already set.
@@ -46,7 +46,7 @@ pub(crate) fn prescribe(model: &Model<'_>, drive: &Drive, displacement: &mut [f6
 fn prescribe_planes(model: &Model<'_>, drive: &Drive, displacement: &mut [f64]) {
     let space = &model.prepared.space;
     let c = space.components;
-    for one in &model.plan.held_nodes {
+    for one in &model.plan.problem.held_nodes {
         let node = one.held.node as usize;
         let wanted = one
             .planes
@@ -78,7 +78,7 @@ fn value_of_plane(model: &Model<'_>, drive: &Drive, plane: &HeldPlane) -> f64 {
     let support = usize::from(plane.support);
     let value = drive.supports.get(support).map_or(0.0, |values| values[0]);
     let motion = drive.motions.get(support).copied().unwrap_or_default();
-    (value + dot(plane.normal, motion.translation)) / model.plan.units.length
+    (value + dot(plane.normal, motion.translation)) / model.plan.problem.units.length
 }
 
 /// Moves the free entries of a linear body along where supports carry it: each component in
@@ -145,16 +145,16 @@ pub(crate) fn prescribed_value(
     (support, i): (usize, usize),
     position: &dyn Fn() -> [f64; 3],
 ) -> f64 {
-    let length = plan.units.length;
-    let scale = plan.units.coordinate_scale * length;
+    let length = plan.problem.units.length;
+    let scale = plan.problem.units.coordinate_scale * length;
     let (Some(values), Some(held)) = (
         drive.supports.get(support),
-        plan.resolved.supports.get(support),
+        plan.problem.resolved.supports.get(support),
     ) else {
         return 0.0;
     };
     let is_plane = !held.planes.is_empty();
-    let value = match (&plan.resolved.manufactured, &held.profile) {
+    let value = match (&plan.problem.resolved.manufactured, &held.profile) {
         // The sum takes its sign from a zero.
         _ if is_plane => 0.0 + values[0] * held.normal_at(i, position()[i]).unwrap_or(0.0),
         (Some(field), _) => drive.load * field.displacement(position().map(|x| x * scale))[i],
@@ -210,7 +210,8 @@ mod tests {
         let point = [0.0, 0.25, 0.75];
         let moved = motion.apply(point.map(|x| 3.0 * x));
         for i in 0..3 {
-            let value = prescribed_value(&plan, &drive, (0, i), &|| point) * plan.units.length;
+            let value =
+                prescribed_value(&plan, &drive, (0, i), &|| point) * plan.problem.units.length;
             let held = [0.5, 0.0, 0.0][i];
             assert!((value - (moved[i] - 3.0 * point[i] + held)).abs() < 1e-14);
             let on_axis = prescribed_value(&plan, &drive, (usize::from(u16::MAX), i), &|| point);

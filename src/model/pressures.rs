@@ -21,9 +21,9 @@ use crate::scene::SceneKind;
 fn pressed<'a>(model: &Model<'a>, displacement: &'a [f64]) -> PressedBody<'a> {
     PressedBody {
         mesh: model.mesh,
-        scale: model.plan.units.coordinate_scale,
+        scale: model.plan.problem.units.coordinate_scale,
         space: &model.prepared.space,
-        measure: match model.plan.resolved.kind {
+        measure: match model.plan.problem.resolved.kind {
             SceneKind::Solid => SurfaceMeasure::Solid,
             SceneKind::PlaneStrain => SurfaceMeasure::Plane,
             SceneKind::Axisymmetric => SurfaceMeasure::Axisymmetric,
@@ -34,18 +34,18 @@ fn pressed<'a>(model: &Model<'a>, displacement: &'a [f64]) -> PressedBody<'a> {
 
 /// The follower pressures at a load factor, non-dimensional.
 fn pressures<'a>(model: &Model<'a>, load: f64) -> Vec<FollowerPressure<'a>> {
-    let pressures = model.plan.resolved.pressures.iter();
+    let pressures = model.plan.problem.resolved.pressures.iter();
     pressures
         .map(|pressure| FollowerPressure {
             facets: &pressure.facets,
-            pressure: load * pressure.value / model.plan.units.stress,
+            pressure: load * pressure.value / model.plan.problem.units.stress,
         })
         .collect()
 }
 
 /// Adds the pressures at load factor `load` to `force`.
 pub(crate) fn add_pressures(model: &Model<'_>, displacement: &[f64], load: f64, force: &mut [f64]) {
-    if !model.plan.resolved.pressures.is_empty() {
+    if !model.plan.problem.resolved.pressures.is_empty() {
         let body = pressed(model, displacement);
         add_follower_load(&body, &pressures(model, load), force);
     }
@@ -54,7 +54,7 @@ pub(crate) fn add_pressures(model: &Model<'_>, displacement: &[f64], load: f64, 
 /// What they take off the stiffness at a state; none where nothing presses.
 pub(crate) fn pressure_tangent(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     let load = state.drive.load;
-    let is_pressed = !model.plan.resolved.pressures.is_empty() && load != 0.0;
+    let is_pressed = !model.plan.problem.resolved.pressures.is_empty() && load != 0.0;
     is_pressed.then(|| {
         let body = pressed(model, &state.displacement);
         let held = &model.prepared;

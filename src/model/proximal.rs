@@ -36,7 +36,7 @@ impl Proximal {
     }
 
     /// - t M, as something that takes stiffness off.
-    pub(crate) fn released(&self) -> SparseRows {
+    pub(crate) fn stiffness(&self) -> SparseRows {
         let mut builder = SparseRowsBuilder::new(self.mass.len());
         for (row, mass) in (0..).zip(&*self.mass) {
             builder.push_row(&mut [(row, -self.weight * mass)]);

@@ -26,7 +26,7 @@ pub(crate) struct Control {
 }
 
 impl Control {
-    /// Key of the scene by which a step asks for it, behind that of the obstacle.
+    /// Key of the scene by which a step asks for it, after that of the obstacle.
     pub(crate) fn key(self) -> &'static str {
         const KEYS: [&str; 6] = [
             "force.x", "force.y", "force.z", "moment.x", "moment.y", "moment.z",

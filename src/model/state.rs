@@ -35,7 +35,7 @@ pub(crate) struct State {
     pub(crate) slip: SlipState,
     /// Whether a program has cost as much as a factor of the body, by which later ones begin.
     pub(crate) by_factor: bool,
-    /// What moved the surface where the response of the body has answered; none behind others,
+    /// What moved the surface where the response of the body has answered; none after others,
     /// and in every checkpoint.
     pub(crate) surface_load: Option<SurfaceLoad>,
 }
@@ -89,8 +89,8 @@ impl SlipState {
         if !plan.has_friction() {
             return Self::default();
         }
-        let points = plan.tangential_multipliers / (plan.units.dimension - 1);
-        let obstacles = vec![0.0; plan.obstacles.len()];
+        let points = plan.problem.tangential_multipliers / (plan.problem.units.dimension - 1);
+        let obstacles = vec![0.0; plan.problem.obstacles.len()];
         Self {
             travel: vec![0.0; 3 * points],
             residue: vec![0.0; 3 * points],
@@ -112,7 +112,7 @@ impl State {
             drive: Drive::undeformed(plan),
             scales: QpScales::default(),
             force_scale: 0.0,
-            penalty: if plan.resolved.is_rubber() {
+            penalty: if plan.problem.resolved.is_rubber() {
                 plan.first_penalty()
             } else {
                 0.0
@@ -162,7 +162,7 @@ impl State {
 /// Open where an obstacle is met, closed where a support holds the normal component.
 fn statuses_at_rest(plan: &Plan) -> Vec<Status> {
     let mut statuses = vec![Status::Stick; plan.unknowns().contact as usize];
-    let contacts = statuses.len() - plan.guided_multipliers;
+    let contacts = statuses.len() - plan.problem.guided_multipliers;
     statuses[..contacts].fill(Status::Open);
     statuses
 }

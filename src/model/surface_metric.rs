@@ -27,7 +27,7 @@ pub(crate) struct SurfaceMetric {
 impl SurfaceMetric {
     /// Of surfaces with their multipliers among all.
     pub(crate) fn new(plan: &Plan, mesh: &Mesh, list: &[(&[u32], &ContactSurface)]) -> Self {
-        let (method, kind) = (plan.contact.method, plan.contact.metric);
+        let (method, kind) = (plan.decisions.contact.method, plan.decisions.contact.metric);
         let mut surface = Self::default();
         let size = plan.unknowns().contact as usize;
         if method.reads_weights() {
@@ -71,10 +71,10 @@ impl SurfaceMetric {
         let mut mass = DenseMatrix::zeros(size, size);
         add_mass(surface, &mut mass);
         let mut laplacian = DenseMatrix::zeros(size, size);
-        let coordinates = plan.units.coordinate_scale;
+        let coordinates = plan.problem.units.coordinate_scale;
         add_laplacian(surface, mesh, coordinates, &mut laplacian);
         let area: f64 = surface.weights.iter().sum();
-        let extent = match plan.units.extents {
+        let extent = match plan.problem.units.extents {
             2 => area * area,
             _ => area,
         };

@@ -15,7 +15,8 @@ use std::sync::Arc;
 use crate::assembly::Constrained;
 use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::strain::{
-    Linearised, StrainGrid, TangentBody, TangentDivergence, TangentProducts, TangentStiffness,
+    Linearised, Mixed, StrainGrid, TangentBody, TangentDivergence, TangentProducts,
+    TangentStiffness,
 };
 use crate::contact::gap::evaluate_gaps;
 use crate::linalg::Workspace;
@@ -103,7 +104,10 @@ impl Tangent {
         tangent.apply(
             Rows::All,
             (motion, &pressure),
-            (&mut force, &mut volume),
+            Mixed {
+                displacement: &mut force,
+                pressure: &mut volume,
+            },
             work,
         );
         mask(&model.prepared.held, &mut force);
@@ -113,9 +117,9 @@ impl Tangent {
             work.give(vector);
         }
         if !moved.gap.is_empty() {
-            let mut behind = state.clone();
-            add_scaled(&mut behind.displacement, 1.0, motion);
-            moved.gap = gaps(model, &behind);
+            let mut after = state.clone();
+            add_scaled(&mut after.displacement, 1.0, motion);
+            moved.gap = gaps(model, &after);
         }
         moved
     }

@@ -116,8 +116,8 @@ impl March {
         }
     }
 
-    /// The share of the way at which the next pose is, behind one at that `distance` from the
-    /// body, its end at last; none behind that.
+    /// The share of the way at which the next pose is, after one at that `distance` from the
+    /// body, its end at last; none after that.
     pub(crate) fn next(&mut self, distance: f64) -> Option<f64> {
         if self.gone >= self.way {
             return None;

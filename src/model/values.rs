@@ -53,7 +53,7 @@ pub(crate) fn gradient_at(
 
 /// Distance x from the axis at a point of a cell.
 pub(crate) fn radius_at(model: &Model<'_>, cell: usize, barycentric: &[f64; 4]) -> f64 {
-    model.plan.units.coordinate_scale * model.mesh.position_in(cell, barycentric)[0]
+    model.plan.problem.units.coordinate_scale * model.mesh.position_in(cell, barycentric)[0]
 }
 
 /// Gradient of the place of a point by that on the straight cell, dx_i/dX_j `[3, 3]`: linear on

@@ -114,10 +114,12 @@ impl<S: Section> Revolved<S> {
         let [n_r, n_z] = section.normal;
         contact.normal = add(scale(n_r, radial), scale(n_z, self.axis));
         if derivatives == Derivatives::Curvature {
-            let around = match is_central {
-                false => n_r / radius,
-                true if n_r == 0.0 => section.curvature,
-                true => 0.0,
+            let around = if !is_central {
+                n_r / radius
+            } else if n_r == 0.0 {
+                section.curvature
+            } else {
+                0.0
             };
             let along = if is_central && n_r != 0.0 {
                 0.0

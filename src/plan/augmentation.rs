@@ -35,15 +35,16 @@ impl Plan {
     /// Whether the body is one that is solved faster so.
     fn may_be_augmented(&self) -> bool {
         self.is_mixed()
-            && !self.resolved.is_rubber()
-            && self.displacement == DisplacementMethod::PMultigrid
+            && !self.problem.resolved.is_rubber()
+            && self.decisions.displacement == DisplacementMethod::PMultigrid
             && self.penalty() == 0.0
-            && self.contrast() <= MOST_CONTRAST
+            && self.problem.contrast() <= MOST_CONTRAST
     }
 
     /// Methods that do not solve augmented take the inverse of A itself.
     fn solves_augmented(&self) -> bool {
-        self.saddle.method == SaddleMethod::Gcr && !self.contact.method.has_fixed_steps()
+        self.decisions.saddle.method == SaddleMethod::Gcr
+            && !self.decisions.contact.method.has_fixed_steps()
     }
 
     /// What tells prepared data for other methods from those for the usual one, whose keys are
@@ -56,10 +57,10 @@ impl Plan {
         }
     }
 
-    /// The smoothing of p-multigrid: behind the P1 correction alone, by one product less, where
+    /// The smoothing of p-multigrid: after the P1 correction alone, by one product less, where
     /// what is around it does not ask for symmetry.
     pub(crate) fn smoothing(&self) -> Smoothing {
-        let degree = self.smoother_degree;
+        let degree = self.decisions.smoother_degree;
         if self.is_augmented() && !self.smooths_along_lines() {
             Smoothing::After(2 * degree - 1)
         } else {
@@ -70,7 +71,7 @@ impl Plan {
     /// Inverse of the pressure's metric beside the mass over mu. Of gamma, half of which makes it
     /// longer serves contact and tractions alike.
     pub(crate) fn pressure_step(&self) -> f64 {
-        self.displacement.pressure_step() + 0.5 * self.augmentation() + self.penalty()
+        self.decisions.displacement.pressure_step() + 0.5 * self.augmentation() + self.penalty()
     }
 
     /// Share of the pressure step that moves the displacement, where A^ holds a volume term of

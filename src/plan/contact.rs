@@ -39,7 +39,7 @@ pub(crate) struct ContactSizes {
     /// element that has no other.
     pub(crate) needs_one_level: bool,
     /// Whether tractions of friction are among the multipliers.
-    pub(crate) is_rough: bool,
+    pub(crate) is_frictional: bool,
     /// Vertices that the compliance knows where these are not all.
     pub(crate) known: Option<u64>,
 }
@@ -49,7 +49,7 @@ impl ContactSizes {
     /// and with friction, whose tractions are asked for by entries.
     pub(crate) fn vertices_to_know(self) -> Option<usize> {
         let is_large = self.dense_bytes(MetricKind::Compliance) > MOST_DENSE;
-        (is_large && !self.is_rough).then(|| {
+        (is_large && !self.is_frictional).then(|| {
             let each = OWN_BYTES + INVERSE_BYTES * (self.dimension as f64).powi(2);
             (MOST_DENSE / each).sqrt() as usize
         })
@@ -64,7 +64,7 @@ impl ContactSizes {
         let square = |n: u64| (n as f64).powi(2);
         // The metric, its part on a face and that part's factor; quadratic multipliers
         // without friction have theirs on the vertices.
-        let is_split = !self.is_rough && 2 * self.vertices <= self.multipliers;
+        let is_split = !self.is_frictional && 2 * self.vertices <= self.multipliers;
         let rows = match metric {
             MetricKind::Compliance if is_split => self.vertices,
             MetricKind::Compliance | MetricKind::Mass | MetricKind::Fractional => self.multipliers,
@@ -95,8 +95,8 @@ pub(crate) fn choose(
 ) -> Result<ContactChoice, Violation> {
     let asked = options.contact.named();
     let asked_metric = options.contact_metric.named();
-    if sizes.is_rough {
-        check_rough(asked, asked_metric)?;
+    if sizes.is_frictional {
+        check_frictional(asked, asked_metric)?;
     }
     let method = asked.unwrap_or(ContactMethod::OneLevel);
     let metric = asked_metric.unwrap_or(method.natural_metric());
@@ -156,7 +156,10 @@ fn knows_friction(method: Option<ContactMethod>) -> bool {
 ///
 /// # Errors
 /// For any other method or metric.
-fn check_rough(method: Option<ContactMethod>, metric: Option<MetricKind>) -> Result<(), Violation> {
+fn check_frictional(
+    method: Option<ContactMethod>,
+    metric: Option<MetricKind>,
+) -> Result<(), Violation> {
     let path = match (knows_friction(method), metric) {
         (true, None | Some(MetricKind::Compliance)) => return Ok(()),
         (true, Some(_)) => "solver.contact_metric",
@@ -216,7 +219,7 @@ mod tests {
             multipliers,
             vertices: multipliers,
             needs_one_level: false,
-            is_rough: false,
+            is_frictional: false,
             known: None,
         }
     }
@@ -250,11 +253,11 @@ mod tests {
         };
         let one_level = (ContactMethod::OneLevel, MetricKind::Compliance);
         assert_eq!(chosen(&asked("auto", "auto"), quadratic(2900)), one_level);
-        let rough = ContactSizes {
-            is_rough: true,
+        let frictional = ContactSizes {
+            is_frictional: true,
             ..quadratic(2900)
         };
-        assert!(rough.dense_bytes(MetricKind::Compliance) > MOST_DENSE);
+        assert!(frictional.dense_bytes(MetricKind::Compliance) > MOST_DENSE);
     }
 
     #[test]

@@ -17,6 +17,8 @@
 
 use super::Units;
 use super::overlap::overlap;
+use super::problem::Problem;
+use super::units::ScaledMesh;
 use crate::mesh::Mesh;
 use crate::scene::validate::{Resolved, ResolvedObstacle};
 use crate::scene::{Obstacle, Scene, Shape, Step};
@@ -37,25 +39,25 @@ const DEEP: f64 = 0.01;
 /// Lengths of the body beyond which a travel is more likely in another unit.
 const LONG_WAY: f64 = 10.0;
 
-/// All doubts about a scene and its steps on a mesh.
-pub(super) fn doubts(
-    (scene, steps): (&Scene, &[Step]),
-    (resolved, obstacles): (&Resolved, &[ResolvedObstacle]),
-    (mesh, units): (&Mesh, &Units),
-) -> Vec<String> {
+/// All doubts about a problem and its steps on a mesh.
+pub(super) fn doubts(problem: &Problem, steps: &[Step], mesh: &Mesh) -> Vec<String> {
+    let Problem {
+        scene,
+        resolved,
+        obstacles,
+        units,
+        ..
+    } = problem;
+    let body = ScaledMesh { mesh, units };
     let mut all: Vec<String> = Vec::new();
     all.extend(flat_cells(mesh));
     all.extend(far_away(mesh, units));
     all.extend(contrast(scene, resolved));
     all.extend(nearly_incompressible(scene, resolved));
-    all.extend(obstacles.iter().filter_map(|one| {
-        below_the_mesh(one, (mesh, units)).or_else(|| edges(one, (mesh, units)))
-    }));
-    all.extend(
-        obstacles
-            .iter()
-            .filter_map(|one| begins_inside(one, (mesh, units))),
-    );
+    let sharp = |one| below_the_mesh(one, body).or_else(|| edges(one, body));
+    all.extend(obstacles.iter().filter_map(sharp));
+    let inside = |one| begins_inside(one, body);
+    all.extend(obstacles.iter().filter_map(inside));
     all.extend(scene.obstacles.iter().filter_map(left_out));
     all.extend(long_way(steps, units));
     all
@@ -74,7 +76,7 @@ fn left_out(obstacle: &Obstacle) -> Option<String> {
 }
 
 /// An obstacle that lies in the body before anything has moved.
-fn begins_inside(obstacle: &ResolvedObstacle, body: (&Mesh, &Units)) -> Option<String> {
+fn begins_inside(obstacle: &ResolvedObstacle, body: ScaledMesh<'_>) -> Option<String> {
     overlap(obstacle, DEEP, body)
         .map(|found| format!("{found}: the first increment pushes the body out of it"))
 }
@@ -159,9 +161,9 @@ fn nearly_incompressible(scene: &Scene, resolved: &Resolved) -> Option<String> {
 }
 
 /// A round obstacle that fits between the vertices of the mesh.
-fn below_the_mesh(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<String> {
-    let inner = obstacle.shape.inner_ball()?.radius * units.length;
-    let shortest = finest_face(obstacle, (mesh, units));
+fn below_the_mesh(obstacle: &ResolvedObstacle, body: ScaledMesh<'_>) -> Option<String> {
+    let inner = obstacle.shape.inner_ball()?.radius * body.units.length;
+    let shortest = finest_face(obstacle, body);
     (inner < shortest && shortest.is_finite()).then(|| {
         format!(
             "obstacle `{}` has a radius of {inner:.3}, all edges that may touch it are longer, from {shortest:.3} on: a finer mesh sees more of its contact",
@@ -171,14 +173,14 @@ fn below_the_mesh(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -
 }
 
 /// An obstacle whose edges or tip are sharper than the faces that may touch it resolve.
-fn edges(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<String> {
+fn edges(obstacle: &ResolvedObstacle, body: ScaledMesh<'_>) -> Option<String> {
     let inner = (obstacle.shape.inner_ball()).map_or(f64::INFINITY, |ball| ball.radius);
     let sharpest = obstacle
         .shape
         .sharpest_radius()
         .filter(|one| *one < inner)?
-        * units.length;
-    let shortest = finest_face(obstacle, (mesh, units));
+        * body.units.length;
+    let shortest = finest_face(obstacle, body);
     (sharpest < shortest && shortest.is_finite()).then(|| {
         format!(
             "obstacle `{}` has edges or a tip of radius {sharpest:.3}, below the edges that may touch it, from {shortest:.3} on: where they touch, pressures are those of the mesh",
@@ -189,7 +191,10 @@ fn edges(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<
 
 /// Longest edge of the finest face that may touch an obstacle, which is where it is meant to, in
 /// the caller's lengths.
-pub(super) fn finest_face(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> f64 {
+pub(super) fn finest_face(
+    obstacle: &ResolvedObstacle,
+    ScaledMesh { mesh, units }: ScaledMesh<'_>,
+) -> f64 {
     let longest = |&facet: &u32| longest_edge(mesh, facet as usize);
     let finest = (obstacle.facets.iter().map(longest)).fold(f64::INFINITY, f64::min);
     finest * units.coordinate_scale * units.length

@@ -21,26 +21,29 @@ pub(super) fn unknowns(space: &TaylorHood, resolved: &Resolved) -> Unknowns {
 impl Plan {
     /// What carries displacement (or velocity) and pressure.
     pub(crate) fn formulation_name(&self) -> String {
-        let field = if self.resolved.is_flow() {
+        let field = if self.problem.resolved.is_flow() {
             "velocity"
         } else {
             "displacement"
         };
-        match self.resolved.mixed {
-            true => format!("Taylor-Hood: P2 {field}, P1 pressure"),
-            false => format!("P2 {field}"),
+        if self.problem.resolved.mixed {
+            format!("Taylor-Hood: P2 {field}, P1 pressure")
+        } else {
+            format!("P2 {field}")
         }
     }
 
     /// Why.
     pub(crate) fn formulation_reason(&self) -> &'static str {
-        match self.resolved.mixed {
-            true if self.resolved.is_flow() => {
-                "Stokes flow: u is a velocity, the modulus a viscosity (stress times time)"
-            }
-            true if self.resolved.is_rubber() => "rubber is always mixed",
-            true => "a material has a Poisson ratio of at least 0.45",
-            false => "every Poisson ratio is below 0.45",
+        let resolved = &self.problem.resolved;
+        if !resolved.mixed {
+            "every Poisson ratio is below 0.45"
+        } else if resolved.is_flow() {
+            "Stokes flow: u is a velocity, the modulus a viscosity (stress times time)"
+        } else if resolved.is_rubber() {
+            "rubber is always mixed"
+        } else {
+            "a material has a Poisson ratio of at least 0.45"
         }
     }
 }

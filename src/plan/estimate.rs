@@ -102,9 +102,9 @@ pub(super) fn factor_cost(dimension: usize, unknowns: Unknowns) -> Option<u32> {
 
 /// Bytes of the P1 solver at its peak, and flops to make it.
 pub(super) fn p1_solver(plan: &Plan, vertices: u64) -> (f64, f64) {
-    match plan.p1.solver {
+    match plan.decisions.p1.solver {
         P1Solver::Direct => {
-            let (entries, flops) = factor(plan.units.dimension, vertices);
+            let (entries, flops) = factor(plan.problem.units.dimension, vertices);
             let number = match plan.factor_precision().0 {
                 Precision::Single => 4.0,
                 Precision::Double => 8.0,
@@ -118,30 +118,36 @@ pub(super) fn p1_solver(plan: &Plan, vertices: u64) -> (f64, f64) {
 
 /// Bytes of prepared data and one session's state at their peak.
 pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
-    let components = plan.units.dimension as u64;
-    let contact = plan.contact_vertices.len() as u64 * components;
-    let multipliers = plan.unknowns.contact;
-    let own = if plan.contact.method.needs_dense(plan.contact.metric) {
+    let components = plan.problem.units.dimension as u64;
+    let contact = plan.decisions.contact_vertices.len() as u64 * components;
+    let multipliers = plan.problem.unknowns.contact;
+    let own = if plan
+        .decisions
+        .contact
+        .method
+        .needs_dense(plan.decisions.contact.metric)
+    {
         3 * multipliers * multipliers
     } else {
         0
     };
     let dense = 3 * contact * contact + own;
     let steps = if plan.certifies_by_steps() {
-        CERTIFICATE_VECTORS * plan.unknowns.displacement
+        CERTIFICATE_VECTORS * plan.problem.unknowns.displacement
     } else {
         0
     };
-    let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure) + steps;
-    let blocks = plan.unknowns.displacement * components;
-    let edge_block = if plan.displacement.is_hierarchical() {
-        EDGE_BLOCK_BYTES * plan.cells as u64
+    let vectors =
+        VECTORS * (plan.problem.unknowns.displacement + plan.problem.unknowns.pressure) + steps;
+    let blocks = plan.problem.unknowns.displacement * components;
+    let edge_block = if plan.decisions.displacement.is_hierarchical() {
+        EDGE_BLOCK_BYTES * plan.problem.cells as u64
     } else {
         0
     };
     p1_solver(plan, vertices).0 as u64
         + 8 * (dense + vectors + blocks)
-        + CELL_BYTES * plan.cells as u64
+        + CELL_BYTES * plan.problem.cells as u64
         + edge_block
         + 200 * vertices
         + plan.rubber_bytes(vertices)
@@ -150,15 +156,23 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
 
 /// Applications of the displacement preconditioner to reach the tolerance.
 pub(super) fn applications(plan: &Plan) -> u32 {
-    let solver = &plan.settings;
+    let solver = &plan.problem.settings;
     let tolerance = match solver.tolerance_rule {
         ToleranceRule::Fixed => solver.tolerance,
         ToleranceRule::Discretisation => solver.tolerance.max(DISCRETISATION_TOLERANCE),
     };
     let digits = -tolerance.log10();
-    let per_digit = if plan.resolved.mixed { 3.2 } else { 1.7 };
-    let contact = if plan.unknowns.contact > 0 { 1.5 } else { 1.0 };
-    let methods =
-        plan.displacement.relative_applications() * plan.saddle.method.relative_applications();
+    let per_digit = if plan.problem.resolved.mixed {
+        3.2
+    } else {
+        1.7
+    };
+    let contact = if plan.problem.unknowns.contact > 0 {
+        1.5
+    } else {
+        1.0
+    };
+    let methods = plan.decisions.displacement.relative_applications()
+        * plan.decisions.saddle.method.relative_applications();
     (digits * per_digit * contact * methods).ceil() as u32
 }

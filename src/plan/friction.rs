@@ -1,5 +1,5 @@
-//! Which obstacles are rough, what that asks of a scene, and how many tractions it takes:
-//! one or two at each multiplier of a rough obstacle.
+//! Which obstacles are frictional, what that asks of a scene, and how many tractions it takes:
+//! one or two at each multiplier of a frictional obstacle.
 
 use super::Plan;
 use super::surfaces::ContactLayout;
@@ -14,10 +14,10 @@ impl Plan {
     /// [`SceneError::Invalid`] with the key.
     pub(crate) fn check_friction(&self, step: &Step) -> Result<(), SceneError> {
         let is_smooth = |target: &&ObstacleTarget| {
-            let mut obstacles = self.obstacles.iter();
+            let mut obstacles = self.problem.obstacles.iter();
             let named = obstacles.find(|one| one.name == target.name);
             target.friction.is_some_and(|value| value > 0.0)
-                && named.is_some_and(|obstacle| !obstacle.is_rough)
+                && named.is_some_and(|obstacle| !obstacle.is_frictional)
         };
         match step.obstacles.iter().find(is_smooth) {
             None => Ok(()),
@@ -31,24 +31,24 @@ impl Plan {
 }
 
 /// Gives obstacles friction to which some step gives it.
-pub(super) fn roughen(obstacles: &mut [ResolvedObstacle], steps: &[Step]) {
+pub(super) fn assign_friction(obstacles: &mut [ResolvedObstacle], steps: &[Step]) {
     let targets = steps.iter().flat_map(|step| &step.obstacles);
     for target in targets.filter(|target| target.friction.is_some_and(|value| value > 0.0)) {
         let mut named = obstacles.iter_mut().filter(|one| one.name == target.name);
         if let Some(obstacle) = named.next() {
-            obstacle.is_rough = true;
+            obstacle.is_frictional = true;
         }
     }
 }
 
-/// Number of tractions of friction: one or two at each multiplier of a rough obstacle.
+/// Number of tractions of friction: one or two at each multiplier of a frictional obstacle.
 pub(super) fn tangential_multipliers(
     obstacles: &[ResolvedObstacle],
     layouts: &[ContactLayout],
     dimension: usize,
 ) -> usize {
     let pairs = obstacles.iter().zip(layouts);
-    let rough = pairs.filter(|(obstacle, _)| obstacle.is_rough);
-    let points: usize = rough.map(|(_, layout)| layout.multipliers.len()).sum();
+    let frictional = pairs.filter(|(obstacle, _)| obstacle.is_frictional);
+    let points: usize = frictional.map(|(_, layout)| layout.multipliers.len()).sum();
     points * (dimension - 1)
 }

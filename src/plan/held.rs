@@ -135,7 +135,7 @@ impl crate::plan::Plan {
     /// # Errors
     /// [`SceneError::Unsupported`] with the key.
     pub(crate) fn check_turned_planes(&self, step: &Step) -> Result<(), SceneError> {
-        let supports = self.resolved.supports.iter();
+        let supports = self.problem.resolved.supports.iter();
         let mut held =
             supports.filter(|support| !support.planes.is_empty() || !support.oblique.is_empty());
         match held.find(|support| rotates(step, &support.name)) {
@@ -205,7 +205,7 @@ mod tests {
                 support("a", first.0, first.1),
                 support("b", second.0, second.1),
             ];
-            let told = conflicts(&plan(two).resolved, &mesh);
+            let told = conflicts(&plan(two).problem.resolved, &mesh);
             assert_eq!(!told.is_empty(), is_told, "{first:?} {second:?}: {told:?}");
         }
     }

@@ -11,17 +11,20 @@ impl Plan {
     /// Key of the prepared data.
     pub fn key(&self) -> PreparedKey {
         let mut hash = Sha256::new();
-        hash.update(self.mesh_id.as_bytes());
+        hash.update(self.problem.mesh_id.as_bytes());
         // Where other elements once had their numbers.
         hash.update([0]);
-        hash.update([u8::from(self.resolved.mixed), self.smoother_degree as u8]);
-        hash.update([u8::from(self.is_floating()), self.p1.solver as u8]);
-        hash.update([self.displacement as u8]);
+        hash.update([
+            u8::from(self.problem.resolved.mixed),
+            self.decisions.smoother_degree as u8,
+        ]);
+        hash.update([u8::from(self.is_floating()), self.decisions.p1.solver as u8]);
+        hash.update([self.decisions.displacement as u8]);
         hash.update(self.penalty().to_le_bytes());
         hash.update(self.key_of_inverse());
         self.hash_held(&mut hash);
         hash.update(u64::MAX.to_le_bytes());
-        if self.resolved.kind == SceneKind::Axisymmetric {
+        if self.problem.resolved.kind == SceneKind::Axisymmetric {
             hash.update(b"axisymmetric");
         }
         self.hash_materials(&mut hash);
@@ -31,10 +34,10 @@ impl Plan {
 
     /// What supports hold.
     fn hash_held(&self, hash: &mut Sha256) {
-        for (unknown, _) in &self.held {
+        for (unknown, _) in &self.problem.held {
             hash.update(unknown.to_le_bytes());
         }
-        for one in &self.held_nodes {
+        for one in &self.problem.held_nodes {
             hash.update(one.held.node.to_le_bytes());
             let directions = one.held.directions().as_flattened();
             directions.iter().for_each(|x| hash.update(x.to_le_bytes()));
@@ -43,8 +46,8 @@ impl Plan {
 
     /// The laws, and which of them each cell has.
     fn hash_materials(&self, hash: &mut Sha256) {
-        let stress = self.units.stress;
-        for material in &self.resolved.materials {
+        let stress = self.problem.units.stress;
+        for material in &self.problem.resolved.materials {
             hash.update((material.law.shear_modulus / stress).to_le_bytes());
             hash.update((material.law.inverse_lame * stress).to_le_bytes());
             if material.law.direct_lame != 0.0 {
@@ -55,7 +58,7 @@ impl Plan {
                 hash.update(self.strain_degree().to_le_bytes());
             }
         }
-        for material in &self.resolved.cell_material {
+        for material in &self.problem.resolved.cell_material {
             hash.update(material.to_le_bytes());
         }
     }
@@ -63,24 +66,29 @@ impl Plan {
     /// Contact vertices, functions of the contact pressure, fitted edges, facets with friction and
     /// those that supports guide.
     fn hash_surfaces(&self, hash: &mut Sha256) {
-        for vertex in &self.contact_vertices {
+        for vertex in &self.decisions.contact_vertices {
             hash.update(vertex.to_le_bytes());
         }
         if self.has_quadratic_multipliers() {
-            hash.update(self.contact_space.name());
+            hash.update(self.problem.contact_space.name());
         }
-        for one in &self.fitted {
+        for one in &self.problem.fitted {
             hash.update(b"arc");
             let ends = one.ends.iter();
             ends.for_each(|end| hash.update(end.to_le_bytes()));
             one.offset.iter().for_each(|x| hash.update(x.to_le_bytes()));
         }
-        for obstacle in self.obstacles.iter().filter(|obstacle| obstacle.is_rough) {
+        for obstacle in self
+            .problem
+            .obstacles
+            .iter()
+            .filter(|obstacle| obstacle.is_frictional)
+        {
             hash.update(b"rough");
             let facets = obstacle.facets.iter();
             facets.for_each(|facet| hash.update(facet.to_le_bytes()));
         }
-        let supports = self.resolved.supports.iter();
+        let supports = self.problem.resolved.supports.iter();
         for patch in supports.flat_map(|support| &support.patches) {
             hash.update(b"guided");
             let facets = patch.iter();

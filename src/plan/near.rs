@@ -7,10 +7,9 @@
 
 use std::collections::HashMap;
 
-use super::Units;
 use super::poses::{poses, some, with_middles};
 use super::surfaces::vertices_of;
-use crate::mesh::Mesh;
+use super::units::ScaledMesh;
 use crate::obstacle::{Contact, Derivatives, Obstacle};
 use crate::scene::Step;
 use crate::scene::validate::ResolvedObstacle;
@@ -25,14 +24,15 @@ const FEWEST: usize = 600;
 /// The vertices of `guided` surfaces and those of obstacles nearest to them, `most` in all,
 /// ascending; none where more than that may be pressed.
 pub(super) fn near(
-    (mesh, units): (&Mesh, &Units),
-    (obstacles, steps): (&[ResolvedObstacle], &[Step]),
+    body: ScaledMesh<'_>,
+    obstacles: &[ResolvedObstacle],
+    steps: &[Step],
     guided: &[u32],
     most: usize,
 ) -> Option<Vec<u32>> {
     let mut least: HashMap<u32, f64> = HashMap::new();
     for obstacle in obstacles {
-        for (vertex, distance) in distances(obstacle, steps, (mesh, units)) {
+        for (vertex, distance) in distances(obstacle, steps, body) {
             let known = least.entry(vertex).or_insert(f64::INFINITY);
             *known = known.min(distance);
         }
@@ -57,7 +57,7 @@ pub(super) fn near(
 fn distances(
     obstacle: &ResolvedObstacle,
     steps: &[Step],
-    (mesh, units): (&Mesh, &Units),
+    ScaledMesh { mesh, units }: ScaledMesh<'_>,
 ) -> Vec<(u32, f64)> {
     let vertices = vertices_of(mesh, std::iter::once(&obstacle.facets));
     let scaled =

@@ -8,10 +8,9 @@
 
 use std::fmt;
 
-use super::Units;
 use super::surfaces::vertices_of;
+use super::units::ScaledMesh;
 use crate::assembly::load::facet_measure;
-use crate::mesh::Mesh;
 use crate::obstacle::{Contact, Derivatives};
 use crate::scene::validate::{Faults, ResolvedObstacle};
 use crate::scene::{self, PenetrationPolicy, SceneError};
@@ -61,7 +60,7 @@ impl fmt::Display for Overlap {
 pub(super) fn overlap(
     obstacle: &ResolvedObstacle,
     beyond: f64,
-    (mesh, units): (&Mesh, &Units),
+    ScaledMesh { mesh, units }: ScaledMesh<'_>,
 ) -> Option<Overlap> {
     let vertices = vertices_of(mesh, std::iter::once(&obstacle.facets));
     let place = |&vertex: &u32| mesh.coordinates()[vertex as usize];
@@ -98,7 +97,7 @@ pub(super) fn overlap(
 /// [`SceneError::Invalid`] with every such obstacle.
 pub(super) fn refuse(
     (given, built): (&[scene::Obstacle], &[ResolvedObstacle]),
-    body: (&Mesh, &Units),
+    body: ScaledMesh<'_>,
 ) -> Result<(), SceneError> {
     let mut faults = Faults::default();
     let refused = given

@@ -77,7 +77,7 @@ pub(super) struct P1Sizes {
     /// Number of mesh vertices.
     pub(super) vertices: u64,
     /// Whether obstacles have friction.
-    pub(super) is_rough: bool,
+    pub(super) is_frictional: bool,
     /// Largest over smallest shear modulus of the scene.
     pub(super) contrast: f64,
     /// Mean quality of the cells, 1 for regular ones.
@@ -105,7 +105,7 @@ fn automatic(sizes: P1Sizes) -> P1Choice {
     let is_affordable = fits && flops <= DEAREST_FACTOR;
     if flops <= CHEAP_FACTOR {
         P1Choice::new(P1Solver::Direct, format!("small: {cost}"))
-    } else if fits && sizes.is_rough {
+    } else if fits && sizes.is_frictional {
         let reason = format!("friction asks for the exact compliance; {cost}");
         P1Choice::new(P1Solver::Direct, reason)
     } else if !is_affordable {
@@ -132,7 +132,7 @@ mod tests {
         P1Sizes {
             dimension: 3,
             vertices,
-            is_rough: false,
+            is_frictional: false,
             contrast: 1.0,
             quality: 0.7,
         }
@@ -163,7 +163,7 @@ mod tests {
         let hard = |vertices| {
             [
                 P1Sizes {
-                    is_rough: true,
+                    is_frictional: true,
                     ..body(vertices)
                 },
                 P1Sizes {

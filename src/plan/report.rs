@@ -57,12 +57,12 @@ pub struct PlanReport {
 impl Plan {
     /// The plan in words and numbers.
     pub fn report(&self) -> PlanReport {
-        let vertices = self.vertices as u64;
+        let vertices = self.problem.vertices as u64;
         PlanReport {
-            name: self.scene.name.clone(),
-            kind: self.resolved.kind.name(),
-            unknowns: self.unknowns,
-            formulation: if self.resolved.mixed {
+            name: self.problem.scene.name.clone(),
+            kind: self.problem.resolved.kind.name(),
+            unknowns: self.problem.unknowns,
+            formulation: if self.problem.resolved.mixed {
                 "mixed"
             } else {
                 "displacement"
@@ -73,7 +73,7 @@ impl Plan {
             predicted_bytes: estimate::bytes(self, vertices),
             predicted_factor_flops: estimate::p1_solver(self, vertices).1,
             predicted_applications: estimate::applications(self),
-            warnings: self.warnings.clone(),
+            warnings: self.notes.warnings.clone(),
         }
     }
 
@@ -101,29 +101,41 @@ impl Plan {
             );
         }
         self.push_smoother(&mut push);
-        push("p1_solver", self.p1_name(), &self.p1.reason);
-        let has_multipliers = self.unknowns.pressure + self.unknowns.contact > 0;
-        let mut method = self.saddle.method.describe(has_multipliers).to_owned();
+        push("p1_solver", self.p1_name(), &self.decisions.p1.reason);
+        let has_multipliers = self.problem.unknowns.pressure + self.problem.unknowns.contact > 0;
+        let mut method = self
+            .decisions
+            .saddle
+            .method
+            .describe(has_multipliers)
+            .to_owned();
         if self.is_augmented() {
             method.push_str(", augmented");
         }
-        push("saddle", method, self.saddle.reason);
+        push("saddle", method, self.decisions.saddle.reason);
         if self.penalty() > 0.0 {
             let choice = format!("grad-div term of {} mu", self.penalty());
             push("penalty", choice, "asked for");
         }
-        if self.unknowns.contact > 0 {
-            push("contact", self.contact.describe(), &self.contact.reason);
+        if self.problem.unknowns.contact > 0 {
+            push(
+                "contact",
+                self.decisions.contact.describe(),
+                &self.decisions.contact.reason,
+            );
             self.push_surface(&mut push);
         }
         if let Some((words, reason)) = self.response_in_words() {
             push("response", words, reason);
         }
-        for tool in &self.tools {
+        for tool in &self.notes.tools {
             push(&tool.what, tool.choice.clone(), &tool.reason);
         }
         if self.is_floating() {
-            let reason = format!("supports leave {}", self.resolved.free_modes.join(", "));
+            let reason = format!(
+                "supports leave {}",
+                self.problem.resolved.free_modes.join(", ")
+            );
             push("rigid modes", "shifted P1 factor".into(), &reason);
         }
         entries
@@ -131,7 +143,7 @@ impl Plan {
 
     /// The preconditioner of the displacement block, with its smoother.
     fn push_smoother(&self, push: &mut dyn FnMut(&str, String, &str)) {
-        let (mut name, reason) = self.displacement.describe(self.smoothing());
+        let (mut name, reason) = self.decisions.displacement.describe(self.smoothing());
         if self.smooths_along_lines() {
             name.push_str(", along short edges");
         }
@@ -140,11 +152,18 @@ impl Plan {
 
     /// Which surface of the body contact sees, where it is not that of flat facets.
     fn push_surface(&self, push: &mut dyn FnMut(&str, String, &str)) {
-        let mut surfaces = self.obstacles.iter().map(|obstacle| obstacle.surface);
+        let mut surfaces = self
+            .problem
+            .obstacles
+            .iter()
+            .map(|obstacle| obstacle.surface);
         if surfaces.any(|surface| surface == SurfaceGeometry::Smooth) {
             push("surface", "arcs fitted over the facets".into(), "asked for");
-        } else if self.curved_edges > 0 {
-            let choice = format!("true surface: {} edges carry offsets", self.curved_edges);
+        } else if self.problem.curved_edges > 0 {
+            let choice = format!(
+                "true surface: {} edges carry offsets",
+                self.problem.curved_edges
+            );
             push("surface", choice, "the mesh is of second order");
         }
     }
@@ -155,9 +174,9 @@ impl Plan {
             Precision::Single => 32,
             Precision::Double => 64,
         };
-        match self.p1.solver {
-            P1Solver::Direct => format!("{} in {bits} bits", self.p1.solver.describe()),
-            P1Solver::Amg | P1Solver::IcCg => self.p1.solver.describe().to_owned(),
+        match self.decisions.p1.solver {
+            P1Solver::Direct => format!("{} in {bits} bits", self.decisions.p1.solver.describe()),
+            P1Solver::Amg | P1Solver::IcCg => self.decisions.p1.solver.describe().to_owned(),
         }
     }
 
@@ -170,12 +189,13 @@ impl Plan {
                 reason: reason.to_owned(),
             });
         };
-        if !self.resolved.mixed {
+        if !self.problem.resolved.mixed {
             push(
                 "pressure unknowns, divergence, pressure metric",
                 "compressible",
             );
         } else if self
+            .problem
             .resolved
             .materials
             .iter()
@@ -183,26 +203,30 @@ impl Plan {
         {
             push("volume compliance", "exactly incompressible");
         }
-        if self.unknowns.contact == 0 {
+        if self.problem.unknowns.contact == 0 {
             push("contact multipliers, compliance, SQP loop", "no obstacle");
-        } else if self.contact.metric != MetricKind::Compliance {
+        } else if self.decisions.contact.metric != MetricKind::Compliance {
             push("contact compliance", "the metric is another");
         }
-        if self.obstacles.len() > 1 && self.has_friction() {
-            let smooth = self.obstacles.iter().filter(|one| !one.is_rough);
+        if self.problem.obstacles.len() > 1 && self.has_friction() {
+            let smooth = self
+                .problem
+                .obstacles
+                .iter()
+                .filter(|one| !one.is_frictional);
             for obstacle in smooth {
                 push(&format!("friction of {}", obstacle.name), "it has none");
             }
         }
-        if !self.resolved.is_nonlinear() {
+        if !self.problem.resolved.is_nonlinear() {
             push(
                 "reassembly and refactorisation",
                 "small strain, linear material",
             );
         }
-        let has_values = !self.resolved.body_force_values.is_zero();
-        let has_force = self.resolved.has_body_force() || has_values;
-        if !has_force && self.resolved.manufactured.is_none() {
+        let has_values = !self.problem.resolved.body_force_values.is_zero();
+        let has_force = self.problem.resolved.has_body_force() || has_values;
+        if !has_force && self.problem.resolved.manufactured.is_none() {
             push("body force", "none given");
         }
         if !self.is_floating() {

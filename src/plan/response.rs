@@ -67,8 +67,8 @@ impl ResponseChoice {
 /// # Errors
 /// Why a scene that asks for it has none.
 pub(super) fn choose(plan: &Plan) -> Result<ResponseChoice, String> {
-    let asked = plan.scene.solver.response.named();
-    if plan.settings.report == ReportScope::Contact {
+    let asked = plan.problem.scene.solver.response.named();
+    if plan.problem.settings.report == ReportScope::Contact {
         return of_contact_alone(plan, asked);
     }
     match (asked, hindrance(plan)) {
@@ -99,9 +99,9 @@ fn of_contact_alone(plan: &Plan, asked: Option<ResponseMethod>) -> Result<Respon
             asked == Some(ResponseMethod::Iterative),
             "the response is `iterative`",
         ),
-        (plan.settings.verify, "residuals are verified"),
+        (plan.problem.settings.verify, "residuals are verified"),
         (
-            plan.resolved.manufactured.is_some(),
+            plan.problem.resolved.manufactured.is_some(),
             "errors against a field are asked for",
         ),
     ];
@@ -122,19 +122,19 @@ fn paid_after(plan: &Plan) -> u32 {
     let (bytes, flops) = plan.factor_of_body();
     // Two operations an entry in each of two triangles.
     let columns = 0.5 * bytes * PRESSED * plan.surface_unknowns();
-    let unknowns = (plan.unknowns.displacement + plan.unknowns.pressure) as f64;
+    let unknowns = (plan.problem.unknowns.displacement + plan.problem.unknowns.pressure) as f64;
     ((flops + columns) / RATE / (APPLICATIONS * APPLICATION * unknowns)).ceil() as u32
 }
 
 impl Plan {
     /// Bytes of the factor of the body and operations to make it.
     fn factor_of_body(&self) -> (f64, f64) {
-        estimate::saddle_factor(self.units.dimension, self.unknowns)
+        estimate::saddle_factor(self.problem.units.dimension, self.problem.unknowns)
     }
 
     /// Unknowns of the surface at most: as many nodes as multipliers.
     fn surface_unknowns(&self) -> f64 {
-        (self.units.dimension as u64 * self.unknowns.contact) as f64
+        (self.problem.units.dimension as u64 * self.problem.unknowns.contact) as f64
     }
 
     /// Bytes of factor and columns at most, these on the surface alone.
@@ -144,7 +144,7 @@ impl Plan {
 
     /// Bytes of columns kept whole at most.
     fn whole_bytes(&self) -> f64 {
-        let unknowns = (self.unknowns.displacement + self.unknowns.pressure) as f64;
+        let unknowns = (self.problem.unknowns.displacement + self.problem.unknowns.pressure) as f64;
         8.0 * self.surface_unknowns() * unknowns
     }
 
@@ -166,7 +166,7 @@ impl Plan {
 
     /// Bytes of the response that was chosen, at most.
     fn response_bytes(&self) -> f64 {
-        let whole = match self.response.fields {
+        let whole = match self.decisions.response.fields {
             FieldsFrom::Columns => self.whole_bytes(),
             FieldsFrom::Factor => 0.0,
         };
@@ -175,17 +175,17 @@ impl Plan {
 
     /// The response in words: from which step on.
     pub(super) fn response_in_words(&self) -> Option<(String, &str)> {
-        let from = self.response.from?;
+        let from = self.decisions.response.from?;
         let words = match from {
             1 => "condensed on the contact surface".to_owned(),
             _ => format!("condensed on the contact surface from step {from} on"),
         };
-        Some((words, &self.response.reason))
+        Some((words, &self.decisions.response.reason))
     }
 
     /// Bytes that the response may take in a session.
     pub(super) fn predicted_response_bytes(&self) -> u64 {
-        match self.response.from {
+        match self.decisions.response.from {
             Some(_) => self.response_bytes() as u64,
             None => 0,
         }
@@ -196,11 +196,11 @@ impl Plan {
 fn hindrance(plan: &Plan) -> Option<String> {
     let reasons = [
         (plan.normal_multipliers() == 0, "no obstacle"),
-        (plan.resolved.is_rubber(), "the body is not linear"),
+        (plan.problem.resolved.is_rubber(), "the body is not linear"),
         (plan.has_friction(), "friction depends on the way"),
         (plan.is_floating(), "supports leave rigid modes"),
         (
-            !plan.resolved.pressures.is_empty(),
+            !plan.problem.resolved.pressures.is_empty(),
             "pressures follow the body",
         ),
         (plan.penalty() > 0.0, "a penalty was asked for"),

@@ -45,7 +45,7 @@ const CELL_TANGENT_BYTES: u64 = 650;
 impl Plan {
     /// No more Krylov directions than the body makes use of.
     pub(crate) fn directions(&self) -> Directions {
-        match (self.has_friction(), self.resolved.is_rubber()) {
+        match (self.has_friction(), self.problem.resolved.is_rubber()) {
             (true, _) => Directions::sliding(KEPT_WITH_FRICTION),
             (false, true) => Directions::keeping(KEPT_DIRECTIONS),
             (false, false) if self.forgets_early() => Directions::starting_with(KEPT_OF_GOOD_CELLS),
@@ -55,63 +55,69 @@ impl Plan {
 
     /// Whether a few directions do as well as ten.
     fn forgets_early(&self) -> bool {
-        let is_simple = self.units.dimension == 3 && self.unknowns.contact == 0;
-        is_simple && self.is_augmented() && self.smoother_degree == 2
+        let is_simple = self.problem.units.dimension == 3 && self.problem.unknowns.contact == 0;
+        is_simple && self.is_augmented() && self.decisions.smoother_degree == 2
     }
 
     /// Weight of the volume term at the start, in units of the shear modulus.
     pub(crate) fn first_penalty(&self) -> f64 {
-        self.settings.penalty.unwrap_or(0.0)
+        self.problem.settings.penalty.unwrap_or(0.0)
     }
 
     /// Its weight where an equilibrium is lost with `present` under pressures up to
     /// `largest`, in units of the shear modulus; none where that is enough and where
     /// the scene says.
     pub(crate) fn next_penalty(&self, present: f64, largest: f64) -> Option<f64> {
-        let is_free = self.resolved.is_rubber() && self.settings.penalty.is_none();
+        let is_free = self.problem.resolved.is_rubber() && self.problem.settings.penalty.is_none();
         let may_help = is_free && (present == 0.0 || present < largest);
-        let first = usize::from(!self.falls());
+        let first = usize::from(!self.snaps_through());
         let mut weights = PENALTIES.into_iter().skip(first).filter(|_| may_help);
         weights.find(|&weight| weight > present)
     }
 
-    /// Whether a body that loses its equilibrium may fall to the next one: under hats on any tool
+    /// Whether a body that loses its equilibrium may snap through to the next one: under hats on any tool
     /// but a half-space the mesh alone may lose it, above some 4 mu R / h on faces of size h under a
     /// radius R.
-    pub(crate) fn may_fall(&self) -> bool {
-        let has_curved = self.obstacles.iter().any(|tool| !tool.shape.is_flat());
-        let is_held = !has_curved || self.contact_space == ContactSpace::Quadratic;
-        self.settings.on_instability == OnInstability::Descend && is_held
+    pub(crate) fn may_snap_through(&self) -> bool {
+        let has_curved = self
+            .problem
+            .obstacles
+            .iter()
+            .any(|tool| !tool.shape.is_flat());
+        let is_held = !has_curved || self.problem.contact_space == ContactSpace::Quadratic;
+        self.problem.settings.on_instability == OnInstability::Descend && is_held
     }
 
-    /// Whether a body that loses its equilibrium falls to the next one, and functions of the
+    /// Whether a body that loses its equilibrium snaps through to the next one, and functions of the
     /// pressure let it.
-    pub(crate) fn falls(&self) -> bool {
-        self.settings.on_instability == OnInstability::Descend
-            && self.contact_space == ContactSpace::Quadratic
+    pub(crate) fn snaps_through(&self) -> bool {
+        self.problem.settings.on_instability == OnInstability::Descend
+            && self.problem.contact_space == ContactSpace::Quadratic
     }
 
     /// Degree of the rule for stress, volume and tangent.
     pub(crate) fn strain_degree(&self) -> u32 {
-        let is_curved = self.curved_edges > 0 && self.units.dimension == 3;
-        let degree = match self.is_axisymmetric() {
-            true => DEGREE_ABOUT_AXIS,
-            false if is_curved => DEGREE_OF_CURVED,
-            false => DEGREE,
+        let is_curved = self.problem.curved_edges > 0 && self.problem.units.dimension == 3;
+        let degree = if self.is_axisymmetric() {
+            DEGREE_ABOUT_AXIS
+        } else if is_curved {
+            DEGREE_OF_CURVED
+        } else {
+            DEGREE
         };
-        self.settings.quadrature_degree.unwrap_or(degree)
+        self.problem.settings.quadrature_degree.unwrap_or(degree)
     }
 
     /// Whether the mesh is the section of a body of revolution.
     pub(crate) fn is_axisymmetric(&self) -> bool {
-        self.resolved.kind == SceneKind::Axisymmetric
+        self.problem.resolved.kind == SceneKind::Axisymmetric
     }
 
     /// Laws by material, as cells count them, non-dimensional; none of linear bodies. Where one
     /// material is rubber all have a law for finite strain.
     pub(crate) fn laws(&self) -> Vec<Rubber> {
-        let materials = self.resolved.materials.iter();
-        let unit = self.units.stress;
+        let materials = self.problem.resolved.materials.iter();
+        let unit = self.problem.units.stress;
         let laws = materials.map(|material| Some(material.rubber.as_ref()?.over(unit)));
         laws.collect::<Option<_>>().unwrap_or_default()
     }
@@ -119,33 +125,42 @@ impl Plan {
     /// What rubber holds at its peak beside a linear body: kept directions, two
     /// states with their tangents, and an approximate inverse of its own.
     pub(crate) fn rubber_bytes(&self, vertices: u64) -> u64 {
-        if !self.resolved.is_rubber() {
+        if !self.problem.resolved.is_rubber() {
             return 0;
         }
         let mut rubbers = self
+            .problem
             .resolved
             .materials
             .iter()
             .filter_map(|m| m.rubber.as_ref());
         let in_stretches = rubbers.any(|rubber| rubber.isochoric.is_in_stretches());
-        let simplex = match self.units.dimension {
+        let simplex = match self.problem.units.dimension {
             2 => Simplex::Triangle,
             _ => Simplex::Tetrahedron,
         };
         let points = rule(simplex, self.strain_degree()).len() as u64;
         let of_point = if in_stretches { 46 } else { 1 };
         let of_cell = 16 * (VERTEX_NUMBERS + of_point * points) + CELL_TANGENT_BYTES;
-        let unknowns = self.unknowns.displacement + self.unknowns.pressure + self.unknowns.contact;
+        let unknowns = self.problem.unknowns.displacement
+            + self.problem.unknowns.pressure
+            + self.problem.unknowns.contact;
         let directions = 16 * (KEPT_DIRECTIONS + gcr::KEPT) as u64 * unknowns;
         let inverse =
-            estimate::p1_solver(self, vertices).0 as u64 + 24 * self.unknowns.displacement;
-        of_cell * self.cells as u64 + directions + inverse
+            estimate::p1_solver(self, vertices).0 as u64 + 24 * self.problem.unknowns.displacement;
+        of_cell * self.problem.cells as u64 + directions + inverse
     }
 
     /// Laws with their bulk moduli, each once.
     pub(crate) fn rubber_laws(&self) -> String {
         let mut laws: Vec<String> = Vec::new();
-        for (material, resolved) in self.scene.materials.iter().zip(&self.resolved.materials) {
+        for (material, resolved) in self
+            .problem
+            .scene
+            .materials
+            .iter()
+            .zip(&self.problem.resolved.materials)
+        {
             let (name, bulk) = match &material.model {
                 MaterialModel::Rubber {
                     model,
@@ -172,7 +187,7 @@ impl Plan {
     /// The rule that integrates stress and tangent.
     pub(crate) fn rubber_rule(&self) -> (String, &'static str) {
         let rule = format!("degree {}", self.strain_degree());
-        match self.settings.quadrature_degree {
+        match self.problem.settings.quadrature_degree {
             Some(_) => (rule, "asked for"),
             None if self.is_axisymmetric() => {
                 (rule, "the stretch around the axis is no polynomial")
@@ -183,7 +198,7 @@ impl Plan {
 
     /// Decisions that only rubber needs.
     pub(crate) fn push_rubber(&self, push: &mut dyn FnMut(&str, String, &str)) {
-        if !self.resolved.is_rubber() {
+        if !self.problem.resolved.is_rubber() {
             return;
         }
         let reason = "isochoric energy and volume constraint at finite strain";
@@ -197,7 +212,7 @@ impl Plan {
                 "every point of the section is a ring",
             );
         }
-        if !self.resolved.pressures.is_empty() {
+        if !self.problem.resolved.pressures.is_empty() {
             push(
                 "pressure load",
                 "on the deformed faces, its change in the tangent".into(),
@@ -212,17 +227,17 @@ impl Plan {
         push(
             "stability",
             self.stability_in_words(),
-            self.stability.reason,
+            self.decisions.stability.reason,
         );
-        let (penalty, reason) = match self.settings.penalty {
+        let (penalty, reason) = match self.problem.settings.penalty {
             Some(weight) => (
                 format!("{weight} mu of pointwise volume change"),
                 "asked for",
             ),
-            None if self.falls() => (
+            None if self.snaps_through() => (
                 "none; mu or more of pointwise volume change where that alone keeps an equilibrium"
                     .into(),
-                "a body falls, but not where the element pair does",
+                "a body snaps through, but not where the element pair does",
             ),
             None => (
                 "none; 4 mu or more of pointwise volume change from where an equilibrium is lost"

@@ -12,7 +12,7 @@ pub(super) const CHEAP: f64 = 4e8;
 /// The check of a plan, and why it is that.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StabilityChoice {
-    /// What is done behind each equilibrium.
+    /// What is done after each equilibrium.
     pub(crate) check: StabilityCheck,
     /// Why.
     pub(crate) reason: &'static str,
@@ -22,11 +22,11 @@ pub(crate) struct StabilityChoice {
 ///
 /// Friction has no energy whose minimum an equilibrium could be: nothing is certified.
 pub(super) fn choose(
-    (named, is_rough): (Option<StabilityCheck>, bool),
+    (named, is_frictional): (Option<StabilityCheck>, bool),
     flops: f64,
 ) -> StabilityChoice {
     match named {
-        _ if is_rough => StabilityChoice {
+        _ if is_frictional => StabilityChoice {
             check: StabilityCheck::Off,
             reason: "friction has no energy",
         },
@@ -49,14 +49,15 @@ impl Plan {
     /// Whether a factor of the saddle point, by which unstable motions are counted, is small enough
     /// to be made.
     pub(crate) fn counts_motions(&self) -> bool {
-        estimate::saddle_factor(self.units.dimension, self.unknowns).1 <= MOST_FACTOR_FLOPS
+        estimate::saddle_factor(self.problem.units.dimension, self.problem.unknowns).1
+            <= MOST_FACTOR_FLOPS
     }
 
     /// Whether equilibria are certified by Lanczos steps.
     pub(super) fn certifies_by_steps(&self) -> bool {
-        let is_rubber = self.resolved.is_rubber();
+        let is_rubber = self.problem.resolved.is_rubber();
         is_rubber
-            && match self.stability.check {
+            && match self.decisions.stability.check {
                 StabilityCheck::Exact => !self.counts_motions(),
                 StabilityCheck::Follow => true,
                 StabilityCheck::Off => false,
@@ -65,8 +66,8 @@ impl Plan {
 
     /// The check in words, with its cost.
     pub(super) fn stability_in_words(&self) -> String {
-        let flops = estimate::saddle_factor(self.units.dimension, self.unknowns).1;
-        match self.stability.check {
+        let flops = estimate::saddle_factor(self.problem.units.dimension, self.problem.unknowns).1;
+        match self.decisions.stability.check {
             StabilityCheck::Exact if !self.counts_motions() => format!(
                 "sign of the least eigenvalue by Lanczos steps, 15 to 60 applications an equilibrium, more where it is near zero: counting unstable motions takes {:.0} Gflop, above {:.0}",
                 flops / 1e9,

@@ -12,6 +12,7 @@
 use super::poses::{Pose, poses, some};
 use super::report::PlanEntry;
 use super::surfaces::{ContactLayout, vertices_of};
+use super::units::ScaledMesh;
 use super::{Units, doubts, reach};
 use crate::geometry::vector3::{norm, sub};
 use crate::mesh::Mesh;
@@ -63,7 +64,7 @@ pub(super) fn entries(
 pub(super) fn doubts(
     (shapes, obstacles): (&[scene::Obstacle], &[ResolvedObstacle]),
     steps: &[Step],
-    (mesh, units): (&Mesh, &Units),
+    ScaledMesh { mesh, units }: ScaledMesh<'_>,
 ) -> Vec<String> {
     let mut all = Vec::new();
     for (given, obstacle) in shapes.iter().zip(obstacles) {
@@ -101,7 +102,7 @@ fn coarse(
         .filter_map(|pose| deepest(obstacle, *pose, (points, units)));
     let (depth, radius) = deepest.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let half_width = (radius * depth).sqrt() * units.length;
-    let face = doubts::finest_face(obstacle, (mesh, units));
+    let face = doubts::finest_face(obstacle, ScaledMesh { mesh, units });
     // A tool that is smaller than the faces is doubted as such.
     (half_width < face && face <= radius * units.length).then(|| {
         format!(

@@ -27,10 +27,10 @@ pub(super) fn fitted(mesh: &Mesh, obstacles: &[ResolvedObstacle]) -> Option<Mesh
 impl Plan {
     /// `mesh`, which the plan was made for, with the surface of the body.
     pub(crate) fn body_mesh(&self, mesh: &Arc<Mesh>) -> Arc<Mesh> {
-        if self.fitted.is_empty() {
+        if self.problem.fitted.is_empty() {
             mesh.clone()
         } else {
-            Arc::new(mesh.with_offsets(self.fitted.clone()))
+            Arc::new(mesh.with_offsets(self.problem.fitted.clone()))
         }
     }
 }

@@ -22,6 +22,15 @@ pub struct Units {
     pub extents: usize,
 }
 
+/// A mesh with the units of its scene.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ScaledMesh<'a> {
+    /// Coordinates in the mesh's lengths.
+    pub(super) mesh: &'a Mesh,
+    /// What makes them non-dimensional, or the caller's.
+    pub(super) units: &'a Units,
+}
+
 impl Units {
     /// The units of a scene on a mesh: the body becomes one long, the softest material
     /// one stiff.

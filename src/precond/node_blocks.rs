@@ -248,10 +248,12 @@ fn invert_diagonal(b: &mut [f64], size: usize) {
     for i in 0..size {
         for j in 0..size {
             let entry = b[i * size + j];
-            b[i * size + j] = match i == j {
-                true if entry > 0.0 => 1.0 / entry,
-                true => 1.0,
-                false => 0.0,
+            b[i * size + j] = if i != j {
+                0.0
+            } else if entry > 0.0 {
+                1.0 / entry
+            } else {
+                1.0
             };
         }
     }

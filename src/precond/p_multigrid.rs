@@ -38,7 +38,7 @@ impl std::fmt::Display for Smoothing {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Around(steps) => write!(out, "Chebyshev degree {steps}"),
-            Self::After(steps) => write!(out, "{steps} Chebyshev steps behind the P1 solve"),
+            Self::After(steps) => write!(out, "{steps} Chebyshev steps after the P1 solve"),
         }
     }
 }

@@ -10,7 +10,7 @@ use super::moduli::moduli;
 use super::{displacement, p1};
 use crate::assembly::p1_stiffness::StiffCells;
 use crate::assembly::strain::{CellLaws, CellStates, CellTangents, Linearised};
-use crate::linalg::{FactoriseError, Preconditioner, Workspace};
+use crate::linalg::{FactoriseError, Workspace};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::plan::augmentation::VOLUMETRIC;
@@ -81,7 +81,7 @@ impl TaylorHoodData {
             geometry: &self.geometry,
             laws: CellLaws {
                 laws: &laws,
-                of_cell: &plan.resolved.cell_material,
+                of_cell: &plan.problem.resolved.cell_material,
             },
             displacement: state.displacement,
             pressure: state.pressure,
@@ -104,8 +104,19 @@ impl TaylorHoodData {
         };
         let node_blocks = self.node_blocks(&cells)?;
         let p1 = p1::build(plan, body, cancel)?;
-        let around = ((state, &tangents), &node_blocks);
-        let displacement = self.around_p1(plan, mesh, around, p1.solver.clone());
+        let body = DisplacementBody {
+            mesh,
+            space: &self.space,
+            geometry: &self.geometry,
+            moduli: &moduli(plan),
+            held: &self.held,
+            grid: &self.grid,
+            node_blocks: &node_blocks,
+            p1: p1.solver.clone(),
+            tangent: Some(state),
+            tangents: Some(&tangents),
+        };
+        let displacement = displacement::build(plan, &body);
         Ok(ApproximateInverse {
             displacement: displacement.preconditioner,
             p1: p1.solver,
@@ -129,28 +140,5 @@ impl TaylorHoodData {
         } else {
             Err(FactoriseError::NotPositiveDefinite)
         }
-    }
-
-    /// The preconditioner of all displacements around a P1 solver.
-    fn around_p1(
-        &self,
-        plan: &Plan,
-        mesh: &Mesh,
-        ((state, tangents), node_blocks): ((Deformed<'_>, &CellTangents), &NodeBlocks),
-        p1: Arc<dyn Preconditioner>,
-    ) -> displacement::Built {
-        let body = DisplacementBody {
-            mesh,
-            space: &self.space,
-            geometry: &self.geometry,
-            moduli: &moduli(plan),
-            held: &self.held,
-            grid: &self.grid,
-            node_blocks,
-            p1,
-            tangent: Some(state),
-            tangents: Some(tangents),
-        };
-        displacement::build(plan, &body)
     }
 }

@@ -36,7 +36,8 @@ pub(crate) struct Built {
 /// The preconditioner that `plan` chose.
 pub(crate) fn build(plan: &Plan, body: &DisplacementBody<'_>) -> Built {
     let comparisons = plan.comparisons.as_ref();
-    let other = |all: &Arc<dyn Comparisons>| all.displacement(plan.displacement, &body.split());
+    let other =
+        |all: &Arc<dyn Comparisons>| all.displacement(plan.decisions.displacement, &body.split());
     match comparisons.and_then(other) {
         Some((preconditioner, bytes)) => Built {
             preconditioner,
@@ -138,7 +139,7 @@ fn lines_around(
     let mut couplings = node_couplings(body.mesh, body.space, body.geometry, body.moduli);
     let pairs = (&couplings.pairs[..], &mut couplings.off[..]);
     project_couplings(body.held, &mut couplings.diagonal, pairs, RIGID);
-    let scale = plan.units.coordinate_scale;
+    let scale = plan.problem.units.coordinate_scale;
     let coordinates: Vec<[f64; 3]> = (0..body.space.nodes())
         .map(|node| node_position(body.mesh, body.space, node).map(|x| x * scale))
         .collect();
@@ -159,7 +160,7 @@ fn lines_around(
 /// Whether a node is a contact vertex or between two of them `[nodes]`.
 fn on_contact(plan: &Plan, space: &TaylorHood) -> Vec<bool> {
     let mut is_seen = vec![false; space.nodes()];
-    let vertices = plan.contact_vertices.iter();
+    let vertices = plan.decisions.contact_vertices.iter();
     vertices.for_each(|&vertex| is_seen[vertex as usize] = true);
     for (edge, ends) in space.edges.iter().enumerate() {
         is_seen[space.vertices + edge] = ends.iter().all(|&end| is_seen[end as usize]);

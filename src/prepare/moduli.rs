@@ -7,17 +7,17 @@ use crate::plan::Plan;
 /// Non-dimensional moduli of each cell.
 pub(crate) fn moduli(plan: &Plan) -> CellModuli {
     let mut moduli = CellModuli::default();
-    for &index in &plan.resolved.cell_material {
-        let law = plan.resolved.materials[usize::from(index)].law;
+    for &index in &plan.problem.resolved.cell_material {
+        let law = plan.problem.resolved.materials[usize::from(index)].law;
         let (lame, inverse) = match plan.is_mixed() {
             // The penalty is a grad-div term of the displacement block.
             true => (
-                (plan.penalty() * law.shear_modulus + law.direct_lame) / plan.units.stress,
-                law.inverse_lame * plan.units.stress,
+                (plan.penalty() * law.shear_modulus + law.direct_lame) / plan.problem.units.stress,
+                law.inverse_lame * plan.problem.units.stress,
             ),
-            false => (law.lame() / plan.units.stress, 0.0),
+            false => (law.lame() / plan.problem.units.stress, 0.0),
         };
-        let shear = law.shear_modulus / plan.units.stress;
+        let shear = law.shear_modulus / plan.problem.units.stress;
         moduli.shear.push(shear);
         moduli.lame.push(lame);
         moduli.augmented.push(lame + plan.augmentation() * shear);

@@ -89,12 +89,14 @@ pub(crate) fn build(
         directions: &directions.directions,
     };
     let comparisons = plan.comparisons.as_ref();
-    let other = |all: &Arc<dyn Comparisons>| all.p1(plan.p1.solver, &vertex_blocks(body, &blocks));
+    let other = |all: &Arc<dyn Comparisons>| {
+        all.p1(plan.decisions.p1.solver, &vertex_blocks(body, &blocks))
+    };
     let mut built = match comparisons.and_then(other) {
         // Scenes with contact are refused those: they give no compliance.
         Some((solver, bytes)) => {
             let none = DenseMatrix::zeros(0, 0);
-            P1Built::new(plan.p1.solver, solver, bytes, none)
+            P1Built::new(plan.decisions.p1.solver, solver, bytes, none)
         }
         None => own(plan, body, (&blocks, &traces), cancel)?,
     };
@@ -111,7 +113,7 @@ fn own(
     (blocks, traces): (&P1Blocks, &Traces<'_>),
     cancel: &CancelToken,
 ) -> Result<P1Built, PrepareError> {
-    if plan.p1.solver == P1Solver::Amg
+    if plan.decisions.p1.solver == P1Solver::Amg
         && let Ok(cycle) = hierarchy(body, blocks)
     {
         return multigrid(cycle, traces, cancel);
@@ -130,7 +132,7 @@ fn direct(
     let order = vertex_order(
         body.mesh.coordinates(),
         &body.space.edges,
-        &plan.contact_vertices,
+        &plan.decisions.contact_vertices,
     );
     let factorise = |precision| DirectP1::new(&matrix, &order, c, precision);
     let factor = match plan.factor_precision().0 {

@@ -76,13 +76,30 @@ fn several_parts(mesh: &Mesh) -> Vec<u32> {
     }
 }
 
-/// The block of a body with that stiffness on `space`.
-pub(crate) fn pressure_block(
-    plan: &Plan,
-    (mesh, space): (&Mesh, &TaylorHood),
-    (geometry, moduli): (&CellGeometry, &CellModuli),
-    stiffness: &Constrained<Stiffness>,
-) -> PressureBlock {
+/// What a pressure acts on.
+#[derive(Clone, Copy)]
+pub(crate) struct PressureBody<'a> {
+    /// Mesh.
+    pub(crate) mesh: &'a Mesh,
+    /// Numbering of the displacement.
+    pub(crate) space: &'a TaylorHood,
+    /// Gradients and volumes of the cells.
+    pub(crate) geometry: &'a CellGeometry,
+    /// Moduli of the cells.
+    pub(crate) moduli: &'a CellModuli,
+    /// A of the displacement.
+    pub(crate) stiffness: &'a Constrained<Stiffness>,
+}
+
+/// The block of a linear body.
+pub(crate) fn pressure_block(plan: &Plan, body: PressureBody<'_>) -> PressureBlock {
+    let PressureBody {
+        mesh,
+        space,
+        geometry,
+        moduli,
+        stiffness,
+    } = body;
     let step = plan.pressure_step();
     let is_homogeneous = moduli
         .shear
@@ -134,11 +151,11 @@ pub(crate) fn pressure_block(
 
 /// The rule of the volumes of cells.
 fn volume_rule(plan: &Plan) -> Rule {
-    let simplex = match plan.units.dimension {
+    let simplex = match plan.problem.units.dimension {
         2 => Simplex::Triangle,
         _ => Simplex::Tetrahedron,
     };
-    let degree = if plan.resolved.is_rubber() {
+    let degree = if plan.problem.resolved.is_rubber() {
         plan.strain_degree()
     } else {
         CURVED_DEGREE

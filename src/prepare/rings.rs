@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::assembly::CellGeometry;
 use crate::assembly::grid::Rows;
-use crate::assembly::strain::{CellLaws, CellStates, CellTangents, Linearised, StrainGrid};
+use crate::assembly::strain::{CellLaws, CellStates, CellTangents, Linearised, Mixed, StrainGrid};
 use crate::linalg::vector::norm;
 use crate::linalg::{Held, Workspace};
 use crate::mesh::Mesh;
@@ -29,7 +29,7 @@ pub(crate) fn rings_at_rest(
         geometry,
         laws: CellLaws {
             laws: &laws,
-            of_cell: &plan.resolved.cell_material,
+            of_cell: &plan.problem.resolved.cell_material,
         },
         displacement: &vec![0.0; space.displacement_unknowns()],
         pressure: &vec![0.0; space.vertices],
@@ -76,7 +76,10 @@ impl Rest {
         self.cells.about(&self.at).apply(
             Rows::All,
             (&self.displacement, &ones),
-            (&mut force, &mut volume),
+            Mixed {
+                displacement: &mut force,
+                pressure: &mut volume,
+            },
             &mut Workspace::new(),
         );
         let all = norm(&force);

@@ -11,7 +11,7 @@ use super::error::PrepareError;
 use super::moduli::moduli;
 use super::of_sessions::OfSessions;
 use super::p1::{self, P1Built};
-use super::pressure::{PressureBlock, pressure_block};
+use super::pressure::{PressureBlock, PressureBody, pressure_block};
 use super::rings::{Rest, rings_at_rest};
 use crate::assembly::grid::{Basis, GridSource};
 use crate::assembly::p1_stiffness::{CellStiffness, StiffCells};
@@ -159,23 +159,23 @@ fn strain_grid(plan: &Plan, mesh: &Mesh, grid: &Arc<Grid>) -> StrainGrid {
     let laws = plan.laws();
     let cells = CellLaws {
         laws: &laws,
-        of_cell: &plan.resolved.cell_material,
+        of_cell: &plan.problem.resolved.cell_material,
     };
-    let simplex = match plan.units.dimension {
+    let simplex = match plan.problem.units.dimension {
         2 => Simplex::Triangle,
         _ => Simplex::Tetrahedron,
     };
     let rule = rule(simplex, plan.strain_degree());
     let cells = StrainGrid::new(mesh, grid.clone(), cells, rule);
     if plan.is_axisymmetric() {
-        cells.about_axis(mesh, plan.units.coordinate_scale)
+        cells.about_axis(mesh, plan.problem.units.coordinate_scale)
     } else {
         cells
     }
 }
 
 fn geometry_of(plan: &Plan, mesh: &Mesh) -> CellGeometry {
-    let scale = plan.units.coordinate_scale;
+    let scale = plan.problem.units.coordinate_scale;
     if plan.is_axisymmetric() {
         CellGeometry::about_axis(mesh, scale)
     } else {
@@ -187,8 +187,13 @@ fn geometry_of(plan: &Plan, mesh: &Mesh) -> CellGeometry {
 fn held_of(plan: &Plan, components: usize) -> Held {
     Held {
         components,
-        entries: plan.held.iter().map(|&(unknown, _)| unknown).collect(),
-        nodes: plan.held_nodes.iter().map(|one| one.held).collect(),
+        entries: plan
+            .problem
+            .held
+            .iter()
+            .map(|&(unknown, _)| unknown)
+            .collect(),
+        nodes: plan.problem.held_nodes.iter().map(|one| one.held).collect(),
     }
 }
 
@@ -224,6 +229,7 @@ impl Parts {
         poll: &dyn Fn() -> Result<(), PrepareError>,
     ) -> Result<TaylorHoodData, PrepareError> {
         let strain = plan
+            .problem
             .resolved
             .is_rubber()
             .then(|| Arc::new(strain_grid(plan, mesh, &self.grid)));
@@ -244,10 +250,14 @@ impl Parts {
         let stiffness = body.stiffness(Basis::Hierarchical);
         let displacement = displacement::build(plan, &body);
         poll()?;
-        let cells = (&self.geometry, &self.moduli);
-        let mut pressure = plan
-            .is_mixed()
-            .then(|| pressure_block(plan, (mesh, &self.space), cells, &stiffness));
+        let body = PressureBody {
+            mesh,
+            space: &self.space,
+            geometry: &self.geometry,
+            moduli: &self.moduli,
+            stiffness: &stiffness,
+        };
+        let mut pressure = plan.is_mixed().then(|| pressure_block(plan, body));
         if let (Some(block), Some(rest)) = (&mut pressure, &rest) {
             block.is_enclosed = block.stabilisation.is_none() && rest.is_enclosed(&self.held);
         }

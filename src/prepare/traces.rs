@@ -43,11 +43,11 @@ impl TraceDirections {
                 .map(|own| normals(plan, body, own))
                 .collect(),
         };
-        let rough = rough_vertices(plan, body.mesh);
+        let frictional = frictional_vertices(plan, body.mesh);
         let mut traces = Self::default();
-        for (index, &vertex) in plan.contact_vertices.iter().enumerate() {
+        for (index, &vertex) in plan.decisions.contact_vertices.iter().enumerate() {
             let mut apart = apart(own.iter().map(|normals| normals[index]));
-            if rough.contains(&vertex) {
+            if frictional.contains(&vertex) {
                 // Tractions act in all directions.
                 apart.insert(0, means[index]);
                 apart.extend([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
@@ -89,10 +89,14 @@ impl TraceDirections {
     }
 }
 
-/// Vertices that may touch rough obstacles.
-fn rough_vertices(plan: &Plan, mesh: &Mesh) -> HashSet<u32> {
-    let rough = plan.obstacles.iter().filter(|obstacle| obstacle.is_rough);
-    let facets = rough.flat_map(|obstacle| &obstacle.facets);
+/// Vertices that may touch frictional obstacles.
+fn frictional_vertices(plan: &Plan, mesh: &Mesh) -> HashSet<u32> {
+    let frictional = plan
+        .problem
+        .obstacles
+        .iter()
+        .filter(|obstacle| obstacle.is_frictional);
+    let facets = frictional.flat_map(|obstacle| &obstacle.facets);
     let corners = facets.flat_map(|&facet| mesh.facet(facet as usize));
     corners.copied().collect()
 }
@@ -101,7 +105,7 @@ fn rough_vertices(plan: &Plan, mesh: &Mesh) -> HashSet<u32> {
 /// apart where a surface turns sharply, hats are not.
 fn sides(plan: &Plan, mesh: &Mesh) -> Vec<Vec<u32>> {
     let surfaces = plan.surfaces();
-    match plan.contact_space {
+    match plan.problem.contact_space {
         ContactSpace::Linear => surfaces.map(<[u32]>::to_vec).collect(),
         ContactSpace::Quadratic => surfaces
             .flat_map(|facets| smooth_patches(mesh, facets))
@@ -123,7 +127,7 @@ fn apart(normals: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
 /// Normals of the surface of `facets` at the contact vertices, zero elsewhere; where
 /// the body is when it is deformed.
 fn normals(plan: &Plan, body: P1Body<'_>, facets: &[u32]) -> Vec<[f64; 3]> {
-    let unit = plan.units.coordinate_scale;
+    let unit = plan.problem.units.coordinate_scale;
     let c = body.space.components;
     let position = |vertex: u32| {
         let mut at = body.mesh.coordinates()[vertex as usize].map(|x| unit * x);
@@ -139,7 +143,7 @@ fn normals(plan: &Plan, body: P1Body<'_>, facets: &[u32]) -> Vec<[f64; 3]> {
     vertex_normals(
         position,
         facets.map(|&facet| body.mesh.facet(facet as usize)),
-        &plan.contact_vertices,
+        &plan.decisions.contact_vertices,
     )
 }
 

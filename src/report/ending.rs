@@ -126,7 +126,7 @@ impl Cause {
     }
 }
 
-/// A fall from an equilibrium that was lost down the energy to the next minimum.
+/// A snap-through from a lost equilibrium, down the energy to the next minimum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snapped {
     /// Potential energy that was lost, in the caller's unit of energy.

@@ -25,7 +25,7 @@ pub enum FieldName {
     /// `[cells, 1]`: the cell's part of [`super::StepReport::error_estimate`], whose
     /// square is the sum of the parts' squares.
     ErrorEstimate,
-    /// `[vertices, 3]`: traction of friction by the area of the contact pressure, zero off rough obstacles;
+    /// `[vertices, 3]`: traction of friction by the area of the contact pressure, zero off frictional obstacles;
     /// absent without friction.
     FrictionTraction,
     /// `[vertices, 3]`: slip against the obstacle in the last increment, a length, zero where

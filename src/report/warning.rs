@@ -3,7 +3,7 @@
 /// What a warning is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WarningKind {
-    /// The body fell from an equilibrium that was lost.
+    /// The body snapped through from a lost equilibrium.
     Snapped,
     /// The equilibrium is a saddle: another one is lower.
     UnstableEquilibrium,
@@ -23,7 +23,7 @@ pub enum WarningKind {
     CoarseContact,
     /// Facets in contact are far off the curved surface that they stand for.
     CoarseFacets,
-    /// A rough obstacle has turned too far against the body in one increment.
+    /// A frictional obstacle has turned too far against the body in one increment.
     CoarseTurn,
     /// Rubber has lost more volume between the vertices than its pressure explains.
     CoarseVolume,

@@ -1,4 +1,4 @@
-//! How far a rough obstacle has turned against the surface that it touches, in one increment:
+//! How far a frictional obstacle has turned against the surface that it touches, in one increment:
 //!
 //! ```text
 //! max over R of sum_i (x_i - x) . R (y_i - y),   y_i = Q x0_i
@@ -6,9 +6,9 @@
 //!
 //! x_i where the points of friction are, y_i where the obstacle would have taken them. Slip
 //! is counted along the chord and taken for its direction at the end, whose error is half the
-//! angle of R: behind half a turn friction pulls the other way. The largest eigenvector of a
+//! angle of R: after half a turn friction pulls the other way. The largest eigenvector of a
 //! symmetric matrix of four by four numbers holds half the angle (Horn, J. Opt. Soc. Am. A 4,
-//! 1987). Cost: a pass over the points of rough obstacles.
+//! 1987). Cost: a pass over the points of frictional obstacles.
 
 use crate::geometry::vector3::{add, norm, scale, sub};
 use crate::linalg::DenseMatrix;
@@ -22,7 +22,7 @@ use crate::report::{Warning, WarningKind};
 /// directions by a quarter of a right angle.
 const COARSE: f64 = std::f64::consts::FRAC_PI_6;
 
-/// Rough obstacles that touch and have turned too far since the increment began.
+/// Frictional obstacles that touch and have turned too far since the increment began.
 pub(crate) fn coarse_turns(model: &Model<'_>, state: &State) -> Vec<Warning> {
     let (Some(friction), Some(start)) = (&model.interfaces.friction, &model.conditions.slip_start)
     else {
@@ -31,7 +31,7 @@ pub(crate) fn coarse_turns(model: &Model<'_>, state: &State) -> Vec<Warning> {
     let traces = friction.traces(model, state);
     let travels = friction.travels(&traces, (model, state), start);
     let places = traces.moments(model.prepared.space.components, &state.displacement);
-    let obstacles = model.plan.obstacles.iter().enumerate();
+    let obstacles = model.plan.problem.obstacles.iter().enumerate();
     let warning = |index: usize, name: &str| {
         let (mut pairs, mut is_pressed) = (Vec::new(), false);
         for (number, point) in friction.points.iter().enumerate() {
@@ -43,11 +43,11 @@ pub(crate) fn coarse_turns(model: &Model<'_>, state: &State) -> Vec<Warning> {
                 is_pressed |= state.multiplier[friction.partners[number] as usize] > 0.0;
             }
         }
-        let angle = angle_between(&pairs, model.plan.units.dimension);
+        let angle = angle_between(&pairs, model.plan.problem.units.dimension);
         (is_pressed && angle > COARSE).then(|| of_angle(name, angle))
     };
     obstacles
-        .filter(|(_, planned)| planned.is_rough)
+        .filter(|(_, planned)| planned.is_frictional)
         .filter_map(|(index, planned)| warning(index, &planned.name))
         .collect()
 }
@@ -60,7 +60,7 @@ fn of_angle(name: &str, angle: f64) -> Warning {
         name,
         Some(angle),
         format!(
-            "rough obstacle `{name}` has turned against the body by {degrees:.0} degrees in one increment: friction follows the chord, take increments of 30 degrees at most"
+            "frictional obstacle `{name}` has turned against the body by {degrees:.0} degrees in one increment: friction follows the chord, take increments of 30 degrees at most"
         ),
     )
 }

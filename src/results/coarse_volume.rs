@@ -23,10 +23,10 @@ pub(crate) fn coarse_volume(
     state: &State,
     report: &StepReport,
 ) -> Option<Warning> {
-    let laws = model.plan.resolved.materials.iter();
+    let laws = model.plan.problem.resolved.materials.iter();
     let softest = laws.filter_map(|one| one.rubber.as_ref().map(|law| law.inverse_bulk));
     let softest = softest.fold(0.0, f64::max);
-    let explained = largest(&state.pressure) * model.plan.units.stress * softest;
+    let explained = largest(&state.pressure) * model.plan.problem.units.stress * softest;
     let is_mixed = !state.pressure.is_empty();
     let lost = 1.0 - report.min_jacobian.filter(|_| is_mixed)?;
     let is_converged = report.termination == Termination::Converged;

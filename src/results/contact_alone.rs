@@ -33,7 +33,7 @@ pub(crate) fn report(
         active_vertices: model.interfaces.contacts_at_work(state) as u32,
         strain_energy: f64::NAN,
         volume_ratio: f64::NAN,
-        max_penetration: ending.max_penetration * model.plan.units.length,
+        max_penetration: ending.max_penetration * model.plan.problem.units.length,
         obstacles: Touching::of(model, state).results(|_, _, _| {}),
         unknowns: model.plan.unknowns(),
         instruction_set: model.prepared.grid.instruction_set().name().to_owned(),

@@ -29,7 +29,7 @@ fn cell_squares(
     rule: &Rule,
     cell: usize,
 ) -> [f64; 5] {
-    let units = &model.plan.units;
+    let units = &model.plan.problem.units;
     let corners = model.mesh.cell(cell);
     let [shear, lame] = moduli(model, cell);
     let mut squares = [0.0; 5];
@@ -85,8 +85,8 @@ pub(crate) fn manufactured_errors(
     state: &State,
     field: &Manufactured,
 ) -> ManufacturedErrors {
-    let degree = model.plan.settings.quadrature_degree;
-    let (simplex, _) = simplices(model.plan.units.dimension);
+    let degree = model.plan.problem.settings.quadrature_degree;
+    let (simplex, _) = simplices(model.plan.problem.units.dimension);
     let rule = rule(simplex, degree.unwrap_or(MANUFACTURED_DEGREE));
     let cells: Vec<[f64; 5]> = (0..model.prepared.geometry.cells())
         .into_par_iter()

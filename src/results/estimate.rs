@@ -30,9 +30,9 @@ use crate::scene::validate::parts;
 
 /// mu and lambda of a cell's energy norm.
 pub(crate) fn moduli(model: &Model<'_>, cell: usize) -> [f64; 2] {
-    let resolved = &model.plan.resolved;
+    let resolved = &model.plan.problem.resolved;
     let law = resolved.materials[usize::from(resolved.cell_material[cell])].law;
-    let stress = model.plan.units.stress;
+    let stress = model.plan.problem.units.stress;
     let lame = if model.plan.is_mixed() {
         0.0
     } else {
@@ -47,10 +47,10 @@ fn squares(model: &Model<'_>, state: &State) -> CellSquares {
     let moduli: Vec<[f64; 2]> = cells.map(|cell| moduli(model, cell)).collect();
     let recovery = Recovery {
         mesh: model.mesh,
-        scale: model.plan.units.coordinate_scale,
+        scale: model.plan.problem.units.coordinate_scale,
         space: &model.prepared.space,
         geometry: &model.prepared.geometry,
-        regions: &model.plan.resolved.cell_material,
+        regions: &model.plan.problem.resolved.cell_material,
         moduli: &moduli,
         displacement: &state.displacement,
     };
@@ -112,7 +112,7 @@ pub(crate) fn force_error(
 ) -> f64 {
     let force = found.force.iter().map(|x| x * x).sum::<f64>().sqrt();
     let modulus = modulus_behind(model, pressed);
-    let stiffness = punch_stiffness(model.plan.units.dimension, modulus, found.area);
+    let stiffness = punch_stiffness(model.plan.problem.units.dimension, modulus, found.area);
     let [relative, norm] = in_norms(of_touched(model, pressed, estimate));
     relative.powi(2) * force.max(stiffness.sqrt() * norm)
 }
@@ -139,14 +139,14 @@ pub(crate) fn contact_modulus(model: &Model<'_>, interface: &Interface) -> f64 {
 
 /// Largest E* behind some facets.
 fn modulus_behind(model: &Model<'_>, facets: &[u32]) -> f64 {
-    let resolved = &model.plan.resolved;
+    let resolved = &model.plan.problem.resolved;
     let materials = facets.iter().map(|&facet| {
         let cell = model.mesh.facet_cell(facet as usize).0;
         usize::from(resolved.cell_material[cell])
     });
     let moduli = materials.map(|material| {
         let law = resolved.materials[material].law;
-        2.0 * law.shear_modulus / model.plan.units.stress / (1.0 - law.poisson_ratio())
+        2.0 * law.shear_modulus / model.plan.problem.units.stress / (1.0 - law.poisson_ratio())
     });
     moduli.fold(0.0, f64::max)
 }

@@ -18,6 +18,6 @@ pub(crate) fn exerted(model: &Model<'_>, state: &State) -> Vec<[f64; 6]> {
         }
         exerted
     };
-    let obstacles = model.plan.obstacles.iter();
+    let obstacles = model.plan.problem.obstacles.iter();
     obstacles.map(|one| of_one(&one.name)).collect()
 }

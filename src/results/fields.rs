@@ -22,7 +22,7 @@ pub(crate) fn field(
     (state, mode): (&State, Option<&[f64]>),
     name: FieldName,
 ) -> Option<FieldData> {
-    let units = &model.plan.units;
+    let units = &model.plan.problem.units;
     let (components, values) = match name {
         FieldName::Displacement => {
             let nodal = model.prepared.space.node_values(&state.displacement);
@@ -44,7 +44,7 @@ pub(crate) fn field(
             let of_cell = |cell| vec![jacobian(model, state, cell)];
             (1, per_cell(model, of_cell))
         }
-        FieldName::ErrorEstimate if model.plan.resolved.is_rubber() => return None,
+        FieldName::ErrorEstimate if model.plan.problem.resolved.is_rubber() => return None,
         FieldName::ErrorEstimate => (1, cell_estimates(model, state)),
         FieldName::ContactPressure => (1, touching(model, state)?.pressure()),
         FieldName::Gap => (1, touching(model, state)?.gap()),
@@ -69,7 +69,7 @@ fn pressure(model: &Model<'_>, state: &State) -> Option<Vec<f64>> {
     if state.pressure.is_empty() {
         return None;
     }
-    let stress = model.plan.units.stress;
+    let stress = model.plan.problem.units.stress;
     let shares = pressure_shares(model);
     let values = state.pressure.iter().zip(&shares);
     Some(on_uploaded(
@@ -86,7 +86,7 @@ fn touching<'a>(model: &Model<'a>, state: &'a State) -> Option<Touching<'a>> {
 
 /// Internal pressure over the pressure unknown in a cell.
 pub(crate) fn pressure_share(model: &Model<'_>, cell: usize) -> f64 {
-    let resolved = &model.plan.resolved;
+    let resolved = &model.plan.problem.resolved;
     let law = resolved.materials[usize::from(resolved.cell_material[cell])].law;
     law.pressure_share()
 }
@@ -162,7 +162,7 @@ fn centre(model: &Model<'_>) -> [f64; 4] {
 
 /// Mean of det F over one cell; linear bodies report 1 + div u at the middle.
 fn jacobian(model: &Model<'_>, state: &State, cell: usize) -> f64 {
-    if model.plan.resolved.is_rubber() {
+    if model.plan.problem.resolved.is_rubber() {
         return finite_strain::volume_ratio(model, state, cell);
     }
     let gradient = gradient_at(model, state, cell, &centre(model));
@@ -172,14 +172,15 @@ fn jacobian(model: &Model<'_>, state: &State, cell: usize) -> f64 {
 /// Mean stress of a cell: xx yy zz xy yz zx.
 fn stress(model: &Model<'_>, state: &State, cell: usize) -> [f64; 6] {
     let gradient = gradient_at(model, state, cell, &centre(model));
-    let law =
-        model.plan.resolved.materials[usize::from(model.plan.resolved.cell_material[cell])].law;
+    let law = model.plan.problem.resolved.materials
+        [usize::from(model.plan.problem.resolved.cell_material[cell])]
+    .law;
     let pressure = if state.pressure.is_empty() {
         law.pressure(gradient[0][0] + gradient[1][1] + gradient[2][2])
     } else {
         let corners = model.mesh.cell(cell);
         let sum: f64 = corners.iter().map(|&v| state.pressure[v as usize]).sum();
-        sum / corners.len() as f64 * model.plan.units.stress
+        sum / corners.len() as f64 * model.plan.problem.units.stress
     };
     let s = match finite_strain::rubber(model, cell) {
         Some(rubber) => finite_strain::true_stress(rubber, &gradient, pressure, state.penalty),

@@ -23,7 +23,7 @@ const JACOBIAN_DEGREE: u32 = 3;
 
 /// The rubber of a cell; none in linear scenes.
 pub(crate) fn rubber<'a>(model: &Model<'a>, cell: usize) -> Option<&'a Rubber> {
-    let resolved = &model.plan.resolved;
+    let resolved = &model.plan.problem.resolved;
     let material = &resolved.materials[usize::from(resolved.cell_material[cell])];
     material.rubber.as_ref()
 }
@@ -44,7 +44,7 @@ pub(crate) fn true_stress(
 
 /// Deformed over undeformed volume of a cell.
 pub(crate) fn volume_ratio(model: &Model<'_>, state: &State, cell: usize) -> f64 {
-    let (simplex, _) = simplices(model.plan.units.dimension);
+    let (simplex, _) = simplices(model.plan.problem.units.dimension);
     let rule = rule(simplex, JACOBIAN_DEGREE);
     let mean = model.prepared.geometry.radii.get(cell);
     let (mut change, mut whole) = (0.0, 0.0);
@@ -60,7 +60,7 @@ pub(crate) fn volume_ratio(model: &Model<'_>, state: &State, cell: usize) -> f64
 /// A number that J is nowhere in the body below; none in linear scenes, and where
 /// the two bounds of a body of revolution do not show that J is above zero.
 pub(crate) fn jacobian_bound(model: &Model<'_>, state: &State) -> Option<f64> {
-    if !model.plan.resolved.is_rubber() {
+    if !model.plan.problem.resolved.is_rubber() {
         return None;
     }
     let is_turned = model.plan.is_axisymmetric();
@@ -93,7 +93,7 @@ fn ring_bound(model: &Model<'_>, state: &State, cell: usize) -> f64 {
 fn least_stretch(model: &Model<'_>, state: &State, cell: usize) -> f64 {
     let space = &model.prepared.space;
     let u = |node: usize| state.displacement[node * space.components];
-    let scale = model.plan.units.coordinate_scale;
+    let scale = model.plan.problem.units.coordinate_scale;
     let corners = model.mesh.cell(cell);
     let x = |corner: usize| scale * model.mesh.coordinates()[corners[corner] as usize][0];
     let bend = |edge: u32| scale * model.mesh.offset_of(edge as usize)[0];
@@ -143,11 +143,11 @@ fn cell_bound(model: &Model<'_>, state: &State, cell: usize) -> f64 {
 /// Coefficients of the contact pressure per undeformed area, interface by interface
 /// `[interfaces][functions]`; none in linear scenes.
 pub(crate) fn undeformed_pressure(model: &Model<'_>, state: &State) -> Option<Vec<Vec<f64>>> {
-    if !model.plan.resolved.is_rubber() {
+    if !model.plan.problem.resolved.is_rubber() {
         return None;
     }
     let body = model.deformed(&state.displacement);
-    let unit = model.plan.units.stress;
+    let unit = model.plan.problem.units.stress;
     let interfaces = model.interfaces.list.iter();
     let all = interfaces.map(|interface| {
         let pressure = interface.own(&state.multiplier);

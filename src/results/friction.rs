@@ -28,15 +28,25 @@ pub(crate) fn add_friction(
         return;
     };
     let tractions = tractions(friction, &friction.frames(model, state), state);
-    let units = &model.plan.units;
+    let units = &model.plan.problem.units;
     let obstacles = model.interfaces.obstacles(&state.drive, units.length);
     let traces = friction.traces(model, state);
     let moments = traces.moments(model.prepared.space.components, &state.displacement);
     let radii = friction
         .law(model.plan, &state.drive)
         .radii(&state.multiplier);
-    for (index, (planned, met)) in model.plan.obstacles.iter().zip(&obstacles).enumerate() {
-        let Some(result) = results.get_mut(&planned.name).filter(|_| planned.is_rough) else {
+    for (index, (planned, met)) in model
+        .plan
+        .problem
+        .obstacles
+        .iter()
+        .zip(&obstacles)
+        .enumerate()
+    {
+        let Some(result) = results
+            .get_mut(&planned.name)
+            .filter(|_| planned.is_frictional)
+        else {
             continue;
         };
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
@@ -50,12 +60,8 @@ pub(crate) fn add_friction(
             force = add(force, scale(weight, traction));
             let arm = sub(moments[number], scale(weight, reference));
             moment = add(moment, cross(arm, traction));
-            count(
-                result,
-                friction,
-                (number, norm(traction), radii[number]),
-                state,
-            );
+            let margin = 1.0 - norm(traction) / radii[number];
+            count(result, friction, (number, margin), state);
             let travel = &state.slip.travel[3 * number..3 * number + 3];
             let slip = travel.iter().fold(0.0, |sum: f64, x| sum.hypot(*x)) * units.length;
             result.max_slip = result.max_slip.max(slip);
@@ -72,7 +78,7 @@ pub(crate) fn add_friction(
 fn count(
     result: &mut ObstacleResult,
     friction: &Friction,
-    (number, traction, radius): (usize, f64, f64),
+    (number, margin): (usize, f64),
     state: &State,
 ) {
     let partner = friction.partners[number] as usize;
@@ -81,7 +87,6 @@ fn count(
         (false, _) => result.open_vertices += 1,
         (true, Status::Stick) => {
             result.stick_vertices += 1;
-            let margin = 1.0 - traction / radius;
             let least = result.stick_margin.unwrap_or(f64::INFINITY);
             result.stick_margin = Some(least.min(margin));
         }
@@ -107,7 +112,7 @@ pub(crate) fn tractions(friction: &Friction, frames: &[Frame], state: &State) ->
 pub(crate) fn friction_traction(model: &Model<'_>, state: &State) -> Option<Vec<f64>> {
     let friction = model.interfaces.friction.as_ref()?;
     let tractions = tractions(friction, &friction.frames(model, state), state);
-    let unit = model.plan.units.stress;
+    let unit = model.plan.problem.units.stress;
     Some(at_vertices(model, |point| {
         tractions[point].map(|x| x * unit)
     }))
@@ -117,7 +122,10 @@ pub(crate) fn friction_traction(model: &Model<'_>, state: &State) -> Option<Vec<
 /// friction.
 pub(crate) fn slip(model: &Model<'_>, state: &State) -> Option<Vec<f64>> {
     model.interfaces.friction.as_ref()?;
-    let (unit, (points, _)) = (model.plan.units.length, state.slip.travel.as_chunks::<3>());
+    let (unit, (points, _)) = (
+        model.plan.problem.units.length,
+        state.slip.travel.as_chunks::<3>(),
+    );
     Some(at_vertices(model, |point| points[point].map(|x| x * unit)))
 }
 
@@ -125,8 +133,12 @@ pub(crate) fn slip(model: &Model<'_>, state: &State) -> Option<Vec<f64>> {
 fn at_vertices(model: &Model<'_>, of_point: impl Fn(usize) -> [f64; 3]) -> Vec<f64> {
     let mut out = vec![0.0; 3 * model.mesh.vertex_count()];
     let mut first = 0;
-    let obstacles = model.interfaces.list.iter().zip(&model.plan.obstacles);
-    for (interface, _) in obstacles.filter(|(_, planned)| planned.is_rough) {
+    let obstacles = model
+        .interfaces
+        .list
+        .iter()
+        .zip(&model.plan.problem.obstacles);
+    for (interface, _) in obstacles.filter(|(_, planned)| planned.is_frictional) {
         let surface = &interface.surface;
         for (function, &node) in (0..).zip(&surface.carriers) {
             let Some(&uploaded) = model.mesh.used_vertices().get(node as usize) else {

@@ -43,7 +43,7 @@ pub(crate) fn geometry_error(
     let rigid = Rigid::of(model, state);
     let (mut sagitta, mut squeeze) = (0.0_f64, 0.0_f64);
     for (face, own) in closed {
-        sagitta = sagitta.max(own * model.plan.units.coordinate_scale);
+        sagitta = sagitta.max(own * model.plan.problem.units.coordinate_scale);
         let normal = multiply(&rigid.rotation, face.normal);
         for &corner in &face.corners {
             let pushed = rigid.rest(model, state, corner as usize);
@@ -120,7 +120,7 @@ fn translation(
 fn place(model: &Model<'_>, state: &State, vertex: usize) -> [[f64; 3]; 2] {
     let components = model.prepared.space.components;
     let x = scale(
-        model.plan.units.coordinate_scale,
+        model.plan.problem.units.coordinate_scale,
         model.mesh.coordinates()[vertex],
     );
     let own = &state.displacement[vertex * components..(vertex + 1) * components];

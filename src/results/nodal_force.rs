@@ -28,14 +28,14 @@ pub(crate) fn nodal_force(model: &Model<'_>, state: &State) -> Vec<f64> {
     let reaction = space.node_forces(&reaction(model, state, inside, &contact));
     let mut force = space.node_forces(&contact);
     force.iter_mut().for_each(|value| *value = -*value);
-    let supports = model.plan.resolved.supports.len();
-    for &(unknown, support) in &model.plan.held {
+    let supports = model.plan.problem.resolved.supports.len();
+    for &(unknown, support) in &model.plan.problem.held {
         if usize::from(support) < supports {
             force[unknown as usize] += reaction[unknown as usize];
         }
     }
     let c = space.components;
-    for one in &model.plan.held_nodes {
+    for one in &model.plan.problem.held_nodes {
         let first = one.held.node as usize * c;
         for own in one.reactions(c, &reaction) {
             (0..c).for_each(|i| force[first + i] += own[i]);

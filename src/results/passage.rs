@@ -37,7 +37,7 @@ pub(super) fn untouched(
     let now = least(&touch.distances);
     (now > 0.0 && now <= before * (1.0 + 1e-12)).then(|| {
         let name = &touch.interface.name;
-        let gap = now * model.plan.units.length;
+        let gap = now * model.plan.problem.units.length;
         Warning::new(
             WarningKind::UntouchedObstacle,
             name,
@@ -89,7 +89,7 @@ fn through(model: &Model<'_>, interface: &Interface, deepest: f64) -> Warning {
     Warning::new(
         WarningKind::PassedThrough,
         name,
-        Some(deepest * model.plan.units.length),
+        Some(deepest * model.plan.problem.units.length),
         format!(
             "obstacle `{name}` passed through the body within the increment: take more increments"
         ),
@@ -147,7 +147,7 @@ pub(super) fn begun_inside(
     let at_rest = vec![0.0; model.prepared.space.displacement_unknowns()];
     let depth = -least_distance(model, (&start.drive, &at_rest), interface);
     (depth > DEEP).then(|| {
-        let (name, depth) = (&interface.name, depth * model.plan.units.length);
+        let (name, depth) = (&interface.name, depth * model.plan.problem.units.length);
         Warning::new(
             WarningKind::BeginsInside,
             name,

@@ -41,12 +41,12 @@ pub(crate) fn report(
     counters: &Counters,
     work: &mut Workspace,
 ) -> StepReport {
-    let units = &model.plan.units;
+    let units = &model.plan.problem.units;
     let inside = internal(model, state, work);
     let estimated = reported_estimate(model, state, ending);
     let mut seconds = counters.seconds;
     let errors = timed(&mut seconds.error_norms, || {
-        let field = model.plan.resolved.manufactured.as_ref()?;
+        let field = model.plan.problem.resolved.manufactured.as_ref()?;
         Some(manufactured_errors(model, state, field))
     });
     StepReport {
@@ -99,7 +99,7 @@ pub(crate) fn counted(state: &State, ending: &Ending, counters: &Counters) -> St
 
 /// The estimate of a converged state, unless the scene wants none.
 fn reported_estimate(model: &Model<'_>, state: &State, ending: &Ending) -> Option<Estimate> {
-    let is_wanted = model.plan.settings.estimates_error && model.prepared.strain.is_none();
+    let is_wanted = model.plan.problem.settings.estimates_error && model.prepared.strain.is_none();
     let is_there = ending.termination == Termination::Converged;
     (is_wanted && is_there).then(|| {
         let known = ending.estimate.clone();
@@ -132,7 +132,7 @@ fn obstacles(
     state: &State,
     estimated: Option<&Estimate>,
 ) -> BTreeMap<String, ObstacleResult> {
-    let force_unit = model.plan.units.force();
+    let force_unit = model.plan.problem.units.force();
     let undeformed = undeformed_pressure(model, state);
     let touching = Touching::of(model, state);
     let places = model.interfaces.list.iter().enumerate();
@@ -162,7 +162,7 @@ pub(crate) fn add_hidden_forces(
     for touch in touches {
         let result = results.get_mut(&*touch.interface.name);
         if let Some(error) = result.and_then(|result| result.force_error.as_mut()) {
-            *error += touch.hidden_force(model) * model.plan.units.force();
+            *error += touch.hidden_force(model) * model.plan.problem.units.force();
         }
     }
 }
@@ -188,22 +188,22 @@ pub(crate) fn given_to_supports(
     components: usize,
     nodal: &[f64],
 ) -> BTreeMap<String, SupportResult> {
-    let mut forces = vec![[0.0; 3]; plan.resolved.supports.len()];
-    for &(unknown, support) in &plan.held {
+    let mut forces = vec![[0.0; 3]; plan.problem.resolved.supports.len()];
+    for &(unknown, support) in &plan.problem.held {
         let nodal = nodal.get(unknown as usize);
         // What the axis of a body of revolution holds is no support's.
         if let (Some(force), Some(nodal)) = (forces.get_mut(usize::from(support)), nodal) {
             force[unknown as usize % components] += nodal;
         }
     }
-    for one in &plan.held_nodes {
+    for one in &plan.problem.held_nodes {
         for (plane, own) in one.planes.iter().zip(one.reactions(components, nodal)) {
             let sum = &mut forces[usize::from(plane.support)];
             *sum = add(*sum, own);
         }
     }
-    let unit = plan.units.force();
-    let names = plan.resolved.supports.iter();
+    let unit = plan.problem.units.force();
+    let names = plan.problem.resolved.supports.iter();
     names
         .zip(forces)
         .map(|(support, force)| {
@@ -215,8 +215,8 @@ pub(crate) fn given_to_supports(
 
 /// Displacement and pressure at every probe by name, in the caller's units.
 fn probes(model: &Model<'_>, state: &State) -> BTreeMap<String, ProbeResult> {
-    let units = &model.plan.units;
-    let probes = model.plan.resolved.probes.iter();
+    let units = &model.plan.problem.units;
+    let probes = model.plan.problem.resolved.probes.iter();
     probes
         .map(|probe| {
             let located = &probe.place;

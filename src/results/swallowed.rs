@@ -245,7 +245,7 @@ fn volume(side: &[[f64; 3]], tip: [f64; 3]) -> f64 {
 
 /// Whether the obstacle is beyond the ball around the body, at rest and as it has moved.
 fn is_away(model: &Model<'_>, state: &State, obstacle: &dyn Obstacle) -> bool {
-    let scale = model.plan.units.coordinate_scale;
+    let scale = model.plan.problem.units.coordinate_scale;
     let points = model.mesh.coordinates();
     let mut middle = [0.0; 3];
     for point in points {

@@ -66,7 +66,7 @@ impl<'t> Touch<'t> {
                 inside: depth_inside(model, state, (obstacle, &cells), nearest),
                 held_inside: depth_where_held(model, state, (obstacle, &interface.surface)),
                 acts,
-                dimension: model.plan.units.dimension,
+                dimension: model.plan.problem.units.dimension,
             })
         });
         met.collect()

@@ -45,7 +45,7 @@ impl<'a> Touching<'a> {
 
     /// Each interface with what it meets, in the pose of the state.
     fn placed(&self) -> impl Iterator<Item = (&'a Interface, Placed)> {
-        let length = self.plan.units.length;
+        let length = self.plan.problem.units.length;
         self.interfaces.placed(&self.state.drive, length)
     }
 
@@ -70,7 +70,7 @@ impl<'a> Touching<'a> {
 
     /// Adds what supports exert along their normal.
     pub(crate) fn add_guides(&self, supports: &mut BTreeMap<String, SupportResult>) {
-        let unit = self.plan.units.force();
+        let unit = self.plan.problem.units.force();
         for (interface, met) in self.placed() {
             if let (None, Some(result)) = (met.obstacle(), supports.get_mut(&interface.name)) {
                 let found = self.resultant(interface, &met, [0.0; 3]);
@@ -100,7 +100,7 @@ impl<'a> Touching<'a> {
 
     /// A resultant in the caller's units; what only some elements know is left out.
     fn result(&self, found: &Resultant) -> ObstacleResult {
-        let units = &self.plan.units;
+        let units = &self.plan.problem.units;
         ObstacleResult {
             force: found.force.map(|x| x * units.force()),
             force_error: None,
@@ -120,14 +120,14 @@ impl<'a> Touching<'a> {
         let interfaces = self.interfaces.list.iter();
         let pressure = interfaces.map(|interface| {
             let mut own = interface.coefficients(&self.state.multiplier);
-            scale(&mut own, self.plan.units.stress);
+            scale(&mut own, self.plan.problem.units.stress);
             own
         });
         self.at_nodes(&pressure.collect::<Vec<_>>())
     }
 
     /// Values of pressures with these coefficients `[interfaces][functions]` at uploaded
-    /// vertices, behind them at edges where one is quadratic; the largest of several
+    /// vertices, after them at edges where one is quadratic; the largest of several
     /// interfaces, zero off them.
     pub(crate) fn at_nodes(&self, coefficients: &[Vec<f64>]) -> Vec<f64> {
         let (mesh, space) = (self.body.mesh, self.body.space);
@@ -170,7 +170,7 @@ impl<'a> Touching<'a> {
 
     /// Weighted gap over nodal weight: a length.
     pub(crate) fn gap(&self) -> Vec<f64> {
-        let length = self.plan.units.length;
+        let length = self.plan.problem.units.length;
         let mut gaps = Vec::with_capacity(self.interfaces.list.len());
         for (interface, obstacle) in self.placed() {
             let surface = &interface.surface;

@@ -80,10 +80,10 @@ pub(crate) fn warnings(
     all
 }
 
-/// A fall on the way, and a saddle at the end.
+/// A snap-through on the way, and a saddle at the end.
 fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
     if let Some(snap) = ending.snapped {
-        let snapped = snap.in_units(&model.plan.units);
+        let snapped = snap.in_units(&model.plan.problem.units);
         let [x, y, z] = snapped.point;
         all.push(Warning::new(
             WarningKind::Snapped,
@@ -96,14 +96,14 @@ fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
             ),
         ));
     }
-    if let Some(rival) = ending.rival {
-        let [own, other] = [rival.own, rival.other]
+    if let Some(alternative) = ending.alternative {
+        let [own, other] = [alternative.own, alternative.other]
             .map(|[stick, slip, open]| format!("{stick} stick, {slip} slip and {open} are open"));
         all.push(Warning::new(
             WarningKind::NotUnique,
             "",
-            Some(rival.indicator),
-            format!("friction may admit another equilibrium: here {own}, there {other}; which one a body takes depends on its path, try smaller increments (indicator {:.2}, from 1 on)", rival.indicator),
+            Some(alternative.indicator),
+            format!("friction may admit another equilibrium: here {own}, there {other}; which one a body takes depends on its path, try smaller increments (indicator {:.2}, from 1 on)", alternative.indicator),
         ));
     }
     let is_saddle = ending.stability == Some(Stability::Saddle);
@@ -119,7 +119,7 @@ fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
 
 /// An obstacle inside the body where nothing presses.
 fn missed(model: &Model<'_>, name: &str, overlap: f64) -> Option<Warning> {
-    let deepest = overlap * model.plan.units.length;
+    let deepest = overlap * model.plan.problem.units.length;
     (deepest > 0.0).then(|| {
         Warning::new(
             WarningKind::MissedContact,
@@ -134,7 +134,7 @@ fn missed(model: &Model<'_>, name: &str, overlap: f64) -> Option<Warning> {
 fn held_inside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
     (touch.held_inside > SWALLOWED).then(|| {
         let name = &touch.interface.name;
-        let depth = touch.held_inside * model.plan.units.length;
+        let depth = touch.held_inside * model.plan.problem.units.length;
         Warning::new(
             WarningKind::MissedContact,
             name,
@@ -148,7 +148,7 @@ fn held_inside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
 fn swallowed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
     let is_felt = touch.overlap() > 0.0;
     (touch.inside > SWALLOWED && !is_felt).then(|| {
-        let (name, depth) = (&touch.interface.name, touch.inside * model.plan.units.length);
+        let (name, depth) = (&touch.interface.name, touch.inside * model.plan.problem.units.length);
         Warning::new(
             WarningKind::PassedThrough,
             name,
@@ -162,7 +162,7 @@ fn swallowed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
 fn sunk(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
     touch.sunk().map(|(depth, size)| {
         let name = &touch.interface.name;
-        let [depth, size] = [depth, size].map(|x| x * model.plan.units.length);
+        let [depth, size] = [depth, size].map(|x| x * model.plan.problem.units.length);
         Warning::new(
             WarningKind::MissedContact,
             name,
@@ -175,7 +175,7 @@ fn sunk(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
 /// An obstacle that presses, and lies inside the body where the scene lets it press nowhere.
 fn beside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
     (touch.inside > SWALLOWED.max(touch.usual_depth())).then(|| {
-        let (name, depth) = (&touch.interface.name, touch.inside * model.plan.units.length);
+        let (name, depth) = (&touch.interface.name, touch.inside * model.plan.problem.units.length);
         Warning::new(
             WarningKind::MissedContact,
             name,
@@ -208,8 +208,8 @@ pub(crate) fn coarse_facets(results: &BTreeMap<String, ObstacleResult>) -> Vec<W
 fn coarse(model: &Model<'_>, state: &State, touch: &Touch<'_>) -> Option<Warning> {
     let status = touch.interface.own(&state.status);
     let closed = status.iter().filter(|status| status.is_closed()).count();
-    let surface_dimension = model.plan.units.dimension - 1;
-    let few = match model.plan.contact_space {
+    let surface_dimension = model.plan.problem.units.dimension - 1;
+    let few = match model.plan.problem.contact_space {
         ContactSpace::Linear => FEW,
         ContactSpace::Quadratic => FEW_QUADRATIC,
     }[surface_dimension - 1];
@@ -217,12 +217,12 @@ fn coarse(model: &Model<'_>, state: &State, touch: &Touch<'_>) -> Option<Warning
         let name = &touch.interface.name;
         let share = closed as f64 / (ENOUGH * few) as f64;
         let size = touch.pressed_size() * share.powf(1.0 / surface_dimension as f64);
-        let size = size * model.plan.units.length;
+        let size = size * model.plan.problem.units.length;
         Warning::new(
             WarningKind::CoarseContact,
             name,
             Some(closed as f64),
-            format!("obstacle `{name}` presses on {closed} functions of the mesh only: force and pressure are rough, faces of {} there would resolve them", digits(size)),
+            format!("obstacle `{name}` presses on {closed} functions of the mesh only: force and pressure are inexact, faces of {} there would resolve them", digits(size)),
         )
     })
 }
@@ -232,7 +232,7 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
     let strain = largest_strain(model, state);
     let lost = lost_digits(model, state, ending, strain);
     all.extend(unheld(model, state, lost.is_some()));
-    let resolved = &model.plan.resolved;
+    let resolved = &model.plan.problem.resolved;
     // A manufactured field is no motion that anyone has seen.
     let is_field = resolved.is_flow() || resolved.manufactured.is_some();
     if !model.is_rubber() && !is_field && strain > LARGE_STRAIN {
@@ -263,7 +263,7 @@ fn unheld(model: &Model<'_>, state: &State, is_lost: bool) -> Option<Warning> {
         _ => true,
     };
     (model.plan.is_floating() && !is_held).then(|| {
-        let modes = model.plan.resolved.free_modes.join(", ");
+        let modes = model.plan.problem.resolved.free_modes.join(", ");
         Warning::new(
             WarningKind::FreeMotion,
             "",
@@ -275,7 +275,7 @@ fn unheld(model: &Model<'_>, state: &State, is_lost: bool) -> Option<Warning> {
 
 /// Moduli so far apart that the rounding of the stiff part's forces shows in the soft one's.
 fn lost_in_contrast(model: &Model<'_>) -> Option<Warning> {
-    let contrast = model.plan.contrast();
+    let contrast = model.plan.problem.contrast();
     let rounding = f64::EPSILON * contrast;
     (rounding > LOST).then(|| {
         Warning::new(
@@ -322,7 +322,7 @@ fn lost_digits(model: &Model<'_>, state: &State, ending: &Ending, strain: f64) -
         Warning::new(
             WarningKind::LostDigits,
             "",
-            Some(largest * model.plan.units.length),
+            Some(largest * model.plan.problem.units.length),
             format!("strains of {strain:.1e} are so small beside displacements and lengths that digits of the forces are lost"),
         )
     })

@@ -70,8 +70,8 @@ pub struct SaddleOperator<'a> {
     /// A `[displacement, displacement]`.
     pub stiffness: &'a dyn LinearOperator,
     /// What is taken off A: the curvature of a gap, or nothing.
-    pub released: Option<&'a dyn LinearOperator>,
-    /// The blocks, in the order of their unknowns behind the displacement.
+    pub geometric: Option<&'a dyn LinearOperator>,
+    /// The blocks, in the order of their unknowns after the displacement.
     pub blocks: &'a [EqualityBlock<'a>],
 }
 
@@ -96,8 +96,8 @@ impl LinearOperator for SaddleOperator<'_> {
         }
         let (u, mut multipliers) = x.split_at(self.stiffness.rows());
         let (force, mut constraints) = y.split_at_mut(self.stiffness.rows());
-        if let Some(released) = self.released {
-            released.subtract_product(u, force, work);
+        if let Some(geometric) = self.geometric {
+            geometric.subtract_product(u, force, work);
         }
         for (index, block) in self.blocks.iter().enumerate() {
             let (x_block, x_rest) = multipliers.split_at(block.size());
@@ -117,8 +117,8 @@ impl LinearOperator for SaddleOperator<'_> {
         let (u, mut constraints) = y.split_at(self.stiffness.rows());
         let (force, mut multipliers) = x.split_at_mut(self.stiffness.rows());
         self.stiffness.apply_transposed(u, force, work);
-        if let Some(released) = self.released {
-            released.add_transposed(-1.0, u, force, work);
+        if let Some(geometric) = self.geometric {
+            geometric.add_transposed(-1.0, u, force, work);
         }
         for block in self.blocks {
             let (y_block, y_rest) = constraints.split_at(block.size());
@@ -186,7 +186,7 @@ fn step_of(block: &EqualityBlock<'_>, r: &[f64], z: &mut [f64], work: &mut Works
     z.iter_mut().for_each(|value| *value = -*value);
 }
 
-/// The step of one block behind what the first one leaves of the modes that they share.
+/// The step of one block after what the first one leaves of the modes that they share.
 fn joint_step(
     block: &EqualityBlock<'_>,
     (r_first, r): (&[f64], &[f64]),
@@ -224,7 +224,7 @@ mod tests {
         }];
         let saddle = SaddleOperator {
             stiffness: &stiffness,
-            released: None,
+            geometric: None,
             blocks: &blocks,
         };
         let mut work = Workspace::new();
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn the_transposed_operator_is_the_adjoint_where_rows_and_columns_differ() {
         let stiffness = rows(&[[2.0, -1.0], [0.5, 3.0]]);
-        let released = rows(&[[0.1, 0.2], [0.0, 0.3]]);
+        let geometric = rows(&[[0.1, 0.2], [0.0, 0.3]]);
         let (constraints, columns) = (rows(&[[1.0, 3.0]]), rows(&[[-2.0, 0.5]]));
         let stabilisation = rows(&[[0.5]]);
         let blocks = [EqualityBlock {
@@ -252,7 +252,7 @@ mod tests {
         }];
         let saddle = SaddleOperator {
             stiffness: &stiffness,
-            released: Some(&released),
+            geometric: Some(&geometric),
             blocks: &blocks,
         };
         let mut work = Workspace::new();

@@ -114,7 +114,8 @@ impl Session {
         reuse: Reuse,
         bytes: &[u8],
     ) -> Result<Self, CheckpointError> {
-        Self::import_rounded(plan, mesh, prepared, reuse, (bytes, Rounding::Same))
+        let checkpoint = Checkpoint::decode(&plan, bytes, Rounding::Same)?;
+        Ok(Self::of_checkpoint(plan, mesh, prepared, reuse, checkpoint))
     }
 
     /// As [`Session::import`], for bytes that another instruction set may have rounded:
@@ -127,12 +128,22 @@ impl Session {
         mesh: Arc<Mesh>,
         prepared: Arc<Prepared>,
         reuse: Reuse,
-        (bytes, rounding): (&[u8], Rounding),
+        bytes: &[u8],
     ) -> Result<Self, CheckpointError> {
-        let checkpoint = Checkpoint::decode(&plan, bytes, rounding)?;
+        let checkpoint = Checkpoint::decode(&plan, bytes, Rounding::Any)?;
+        Ok(Self::of_checkpoint(plan, mesh, prepared, reuse, checkpoint))
+    }
+
+    fn of_checkpoint(
+        plan: Arc<Plan>,
+        mesh: Arc<Mesh>,
+        prepared: Arc<Prepared>,
+        reuse: Reuse,
+        checkpoint: Checkpoint,
+    ) -> Self {
         let mut session = Self::new(plan, mesh, prepared, reuse);
         session.take_up(checkpoint);
-        Ok(session)
+        session
     }
 
     /// Goes back to where [`Session::export`] wrote `bytes`, of this session or of another one
@@ -276,7 +287,7 @@ impl Session {
             watch: Watch {
                 observer,
                 cancel,
-                seconds_left: step.seconds_left(self.body.plan().settings.max_wall_time),
+                seconds_left: step.seconds_left(self.body.plan().problem.settings.max_wall_time),
                 record: IterationRecord {
                     step: self.steps,
                     increment: number,
@@ -359,7 +370,7 @@ impl Session {
 
     /// Finds what the body does inside where the last report was on contact alone. Fields do it
     /// by themselves, each anew: worth the call before several. Changes no later bit. Cost: one
-    /// solution with the factor, none behind a report on the whole body.
+    /// solution with the factor, none after a report on the whole body.
     pub fn complete(&mut self) {
         let increment = Increment {
             state: &mut self.state,

@@ -77,7 +77,7 @@ impl TaylorHoodBody {
     fn conditions(&self, slip_start: Option<Arc<SlipStart>>) -> Conditions {
         Conditions {
             slip_start,
-            ..Conditions::to(self.plan.settings.tolerance)
+            ..Conditions::to(self.plan.problem.settings.tolerance)
         }
     }
 
@@ -185,7 +185,7 @@ impl TaylorHoodBody {
         let lost = coarse_volume(&model, state, &report);
         report.warnings.extend(lost);
         step::add_hidden_forces(&model, &touches, &mut report.obstacles);
-        if self.plan.settings.verify {
+        if self.plan.problem.settings.verify {
             report.verification = Some(verify::verify(&model, state, ending));
         }
         report

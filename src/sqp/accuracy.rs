@@ -43,7 +43,7 @@ const MARGIN: f64 = 0.3;
 
 /// Moves the state to equilibrium under `drive`, as accurately as the scene asks.
 pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
-    match run.model.plan.settings.tolerance_rule {
+    match run.model.plan.problem.settings.tolerance_rule {
         ToleranceRule::Fixed => proximal_rest::solve(run, drive),
         ToleranceRule::Discretisation => by_discretisation(run, drive),
     }
@@ -74,7 +74,7 @@ fn by_discretisation(run: &mut Run<'_>, drive: &Drive) -> Ending {
 
 /// Algebraic error that neither the L2 norm of u nor the contact forces notice.
 fn allowed_error(model: &Model<'_>, state: &State, estimated: &Estimate) -> f64 {
-    let dimension = model.plan.units.dimension;
+    let dimension = model.plan.problem.units.dimension;
     let volume: f64 = model.prepared.geometry.volumes.iter().sum();
     // A cell's edge, were all cells halves of squares or sixths of cubes.
     let corner_cells = if dimension == 2 { 2.0 } else { 6.0 };
@@ -124,7 +124,7 @@ fn gap_square(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
         let modulus = contact_modulus(model, interface);
         let wrong = interface.own(&wrong);
         for (&wrong, &weight) in wrong.iter().zip(&interface.surface.weights) {
-            let stiffness = punch_stiffness(model.plan.units.dimension, modulus, weight);
+            let stiffness = punch_stiffness(model.plan.problem.units.dimension, modulus, weight);
             square += stiffness * (wrong / weight).powi(2);
         }
     }

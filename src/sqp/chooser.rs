@@ -8,7 +8,7 @@ use crate::scene::{ContactMethod, SaddleMethod};
 
 /// The method of programs without contact; none for those that serve contact too.
 pub(crate) fn linear(plan: &Plan) -> Option<Box<dyn LinearSolver>> {
-    match (plan.saddle.method, &plan.comparisons) {
+    match (plan.decisions.saddle.method, &plan.comparisons) {
         (SaddleMethod::ConjugateGradients, _) => Some(Box::new(ConjugateGradients)),
         (other, Some(comparisons)) => comparisons.linear(other),
         (_, None) => None,
@@ -17,7 +17,7 @@ pub(crate) fn linear(plan: &Plan) -> Option<Box<dyn LinearSolver>> {
 
 /// The solver of `problem` by the method for contact.
 pub(crate) fn contact<'a>(plan: &Plan, problem: QpProblem<'a>) -> Box<dyn InequalitySolver + 'a> {
-    match (plan.contact.method, &plan.comparisons) {
+    match (plan.decisions.contact.method, &plan.comparisons) {
         (ContactMethod::Mprgp, _) => Box::new(Mprgp { problem }),
         (ContactMethod::OneLevel, _) | (_, None) => Box::new(OneLevel::new(problem)),
         (other, Some(comparisons)) => {

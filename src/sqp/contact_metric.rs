@@ -55,14 +55,17 @@ impl ContactMetric {
         work: &mut Workspace,
     ) -> Self {
         let surface = &model.interfaces.metric;
-        let (matrix, shared): (Box<dyn SymmetricMatrix>, _) = match model.plan.contact.metric {
-            MetricKind::Compliance => {
-                let matrix = compliance_of(model, (inverse, volumes.as_ref()), &now.coupling);
-                let shared = volumes.map(|volumes| shared(model, volumes, &matrix));
-                (Box::new(matrix), shared)
-            }
-            MetricKind::Mass | MetricKind::Fractional => (Box::new(surface.matrix.clone()), None),
-        };
+        let (matrix, shared): (Box<dyn SymmetricMatrix>, _) =
+            match model.plan.decisions.contact.metric {
+                MetricKind::Compliance => {
+                    let matrix = compliance_of(model, (inverse, volumes.as_ref()), &now.coupling);
+                    let shared = volumes.map(|volumes| shared(model, volumes, &matrix));
+                    (Box::new(matrix), shared)
+                }
+                MetricKind::Mass | MetricKind::Fractional => {
+                    (Box::new(surface.matrix.clone()), None)
+                }
+            };
         let mut metric = Self {
             matrix,
             shared,
@@ -70,8 +73,8 @@ impl ContactMetric {
             applications: 0,
         };
         metric.scale_weights(inverse, &now.coupling, work);
-        let is_scaled = model.plan.contact.metric == MetricKind::Compliance
-            && !model.plan.contact.method.has_fixed_steps();
+        let is_scaled = model.plan.decisions.contact.metric == MetricKind::Compliance
+            && !model.plan.decisions.contact.method.has_fixed_steps();
         if !is_scaled {
             metric.scale_matrix(model, inverse, &now.coupling, work);
         }
@@ -114,7 +117,7 @@ impl ContactMetric {
         let displacement = &*inverse.displacement;
         let ratio = largest_ratio(displacement, coupling, &solve, work);
         self.applications += POWER_STEPS as u32;
-        let margin = match model.plan.contact.metric {
+        let margin = match model.plan.decisions.contact.metric {
             // Its worst mode is not the smooth one that the iteration starts from.
             MetricKind::Compliance => MARGIN,
             MetricKind::Mass | MetricKind::Fractional => 1.0,
@@ -207,7 +210,7 @@ fn scale_of(model: &Model<'_>) -> f64 {
 /// How much a body gives under an even pressure, over what the compliance says; one for other
 /// metrics.
 pub(crate) fn evenly(model: &Model<'_>) -> f64 {
-    match model.plan.contact.metric {
+    match model.plan.decisions.contact.metric {
         MetricKind::Compliance => EVENLY / scale_of(model),
         MetricKind::Mass | MetricKind::Fractional => 1.0,
     }

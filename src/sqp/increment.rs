@@ -13,7 +13,7 @@ use super::run::Run;
 use super::scales::{
     forget_scales, is_rounding, least_force, limit_gap_scale, raise_scales, touches,
 };
-use super::search::{Refused, leap, search};
+use super::search::{Refused, non_monotone_step, search};
 use super::verdict::{Verdict, of_status, verdict};
 use crate::linalg::vector::norm;
 use crate::model::drive::Drive;
@@ -32,7 +32,7 @@ const MOST_ROUNDING: f64 = 1e-3;
 /// bonded block of 32 cells ends at the same load after 12 s with this and after 27 to 35 s without.
 const MOST_IDLE_AT_FINITE_STRAIN: u32 = 12;
 /// Steps of an increment that are taken without progress.
-const MOST_LEAPS: u32 = 3;
+const MOST_NON_MONOTONE: u32 = 3;
 /// Level of a program over the tolerance: what the recomputed residual adds has room.
 const MARGIN: f64 = 0.95;
 /// The level over that of a program that took itself for solved, which it was not.
@@ -57,7 +57,7 @@ struct Iterate {
     /// Programs since that have not halved it.
     idle: u32,
     /// Steps that were taken without progress.
-    leaps: u32,
+    non_monotone_steps: u32,
 }
 
 /// Moves the state to equilibrium under `drive`.
@@ -92,7 +92,7 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
             (at.first_force, &mut at.filter),
         ) {
             Ok(next) => at.advance(run, next, worst),
-            Err(refused) => match at.leap(run, &step, program.start(), refused) {
+            Err(refused) => match at.non_monotone_step(run, &step, program.start(), refused) {
                 Some(next) => at.advance(run, next, worst),
                 None => return at.ending(run, refused.verdict()),
             },
@@ -131,7 +131,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
         margin: MARGIN,
         least: f64::INFINITY,
         idle: 0,
-        leaps: 0,
+        non_monotone_steps: 0,
     }
 }
 
@@ -166,25 +166,25 @@ impl Iterate {
         (step, outcome.status)
     }
 
-    /// Residuals behind a step that brings no progress at once: slender bodies turn against forces
+    /// Residuals after a step that brings no progress at once: slender bodies turn against forces
     /// far smaller than those that turning by a straight line wakes in them, and the next program
     /// takes these off (Chamberlain, Powell, Lemarechal and Pedersen, Math. Programming Study 16,
     /// 1982). None where it turns cells inside out, in linear bodies, on a fall, whose steps are
     /// small enough, and too often.
-    fn leap(
+    fn non_monotone_step(
         &mut self,
         run: &mut Run<'_>,
         step: &Step,
         now: &Evaluation,
         refused: Refused,
     ) -> Option<Evaluation> {
-        let may_leap = !run.model.is_linear() && run.model.conditions.proximal.is_none();
-        let is_tried = refused == Refused::Progress && may_leap;
-        if !is_tried || self.leaps >= MOST_LEAPS {
+        let may_be_non_monotone = !run.model.is_linear() && run.model.conditions.proximal.is_none();
+        let is_tried = refused == Refused::Progress && may_be_non_monotone;
+        if !is_tried || self.non_monotone_steps >= MOST_NON_MONOTONE {
             return None;
         }
-        self.leaps += 1;
-        leap(run, step, now)
+        self.non_monotone_steps += 1;
+        non_monotone_step(run, step, now)
     }
 
     /// The four residuals at the present state; the state's scales grow with what they
@@ -269,7 +269,7 @@ pub(crate) fn ending(
         stability: None,
         snapped: None,
         site: None,
-        rival: None,
+        alternative: None,
     }
 }
 

@@ -194,5 +194,5 @@ fn mean_length(model: &Model<'_>, interface: &Interface) -> f64 {
         [a, b, ..] => norm(sub(place(a), place(b))),
         _ => 0.0,
     });
-    model.plan.units.coordinate_scale * edges.sum::<f64>() / faces.len().max(1) as f64
+    model.plan.problem.units.coordinate_scale * edges.sum::<f64>() / faces.len().max(1) as f64
 }

@@ -51,7 +51,7 @@ struct Start {
 }
 
 impl Start {
-    /// Evaluates the state under the new drive and, where supports move, behind their
+    /// Evaluates the state under the new drive and, where supports move, after their
     /// motion by the tangent.
     fn of(run: &mut Run<'_>) -> Self {
         let now = run.evaluate();

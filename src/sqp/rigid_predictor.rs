@@ -29,7 +29,7 @@ const UNTURNED: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 pub(crate) struct RigidPredictor {
     /// Rotation as a matrix about the origin of space.
     rotation: Matrix3,
-    /// Translation behind the rotation `[3]`, in units of the scaled body.
+    /// Translation after the rotation `[3]`, in units of the scaled body.
     translation: [f64; 3],
 }
 
@@ -37,7 +37,7 @@ impl RigidPredictor {
     /// What the supports of a body share on the way between two drives; none where
     /// they do not, or do not move.
     pub(crate) fn between(model: &Model<'_>, from: &Drive, to: &Drive) -> Option<Self> {
-        let length = model.plan.units.length;
+        let length = model.plan.problem.units.length;
         let motions = from.motions.iter().zip(&to.motions);
         let own: Vec<_> = motions
             .map(|(from, to)| Self::of(from, to, length))
@@ -47,12 +47,12 @@ impl RigidPredictor {
             None => Self::of_obstacles(model, from, to)?,
         };
         let components = model.prepared.space.components;
-        let guides = own.iter().zip(&model.plan.resolved.supports);
+        let guides = own.iter().zip(&model.plan.problem.resolved.supports);
         let mut guides = guides
             .filter(|(_, support)| !support.patches.is_empty() || !support.oblique.is_empty());
         let is_guided = guides.all(|(own, _)| own.is(&shared));
         let is_shared = is_guided
-            && model.plan.held.iter().all(|&(unknown, support)| {
+            && model.plan.problem.held.iter().all(|&(unknown, support)| {
                 let row = unknown as usize % components;
                 own.get(usize::from(support))
                     .is_none_or(|own| own.goes_along(&shared, row))
@@ -62,7 +62,7 @@ impl RigidPredictor {
 
     /// What all obstacles share; none where they do not, or do not move.
     fn of_obstacles(model: &Model<'_>, from: &Drive, to: &Drive) -> Option<Self> {
-        let length = model.plan.units.length;
+        let length = model.plan.problem.units.length;
         let poses = [from, to].map(|drive| model.interfaces.obstacles(drive, length));
         let motions = poses[0].iter().zip(&poses[1]);
         let mut own = motions.map(|(from, to)| Self::of(&from.motion(), &to.motion(), 1.0));
@@ -117,7 +117,7 @@ impl RigidPredictor {
         let coordinates = model.mesh.coordinates();
         let nodes = on_vertices.chunks_exact_mut(space.components);
         for (u, x) in nodes.zip(coordinates) {
-            let x = scale(model.plan.units.coordinate_scale, *x);
+            let x = scale(model.plan.problem.units.coordinate_scale, *x);
             let moved = add(
                 multiply(&self.rotation, add(x, padded(u))),
                 self.translation,
@@ -131,7 +131,7 @@ impl RigidPredictor {
         // The middle of a curved edge is o + u from that of its ends: R (o + u) - o.
         for (edge, u) in on_edges.chunks_exact_mut(space.components).enumerate() {
             let offset = scale(
-                model.plan.units.coordinate_scale,
+                model.plan.problem.units.coordinate_scale,
                 model.mesh.offset_of(edge),
             );
             let turned = sub(multiply(&self.rotation, offset), offset);

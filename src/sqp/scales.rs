@@ -54,7 +54,7 @@ pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluatio
     let least = ROUNDINGS * f64::EPSILON / model.conditions.tolerance;
     let (c, mut work) = (model.prepared.space.components, Workspace::new());
     let mut square = 0.0;
-    for axis in 0..model.plan.units.dimension {
+    for axis in 0..model.plan.problem.units.dimension {
         let mut carried = vec![0.0; state.displacement.len()];
         let own = carried[..c * model.prepared.space.vertices].iter_mut();
         own.skip(axis).step_by(c).for_each(|entry| *entry = 1.0);
@@ -63,10 +63,12 @@ pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluatio
         square += dot(&moved, &moved);
     }
     state.scales.gap = state.scales.gap.max(least * square.sqrt());
-    let volumes = match model.is_rubber() {
-        true => least / (model.prepared.space.vertices as f64).sqrt(),
-        false if is_left_alone(state, now) => at_rest(model, now),
-        false => 0.0,
+    let volumes = if model.is_rubber() {
+        least / (model.prepared.space.vertices as f64).sqrt()
+    } else if is_left_alone(state, now) {
+        at_rest(model, now)
+    } else {
+        0.0
     };
     state.scales.constraint = state.scales.constraint.max(volumes);
 }
@@ -122,7 +124,7 @@ fn round_anew(numbers: &mut [f64]) {
 /// What rounding of displacements, and of rubber of lengths, leaves of the forces of a body:
 /// h^(d - 2) a vertex where cells have the size h in d dimensions.
 fn rounding(model: &Model<'_>, state: &State) -> f64 {
-    let dimension = model.plan.units.dimension as i32;
+    let dimension = model.plan.problem.units.dimension as i32;
     let vertices = model.prepared.space.vertices as f64;
     let size = vertices.powf(-1.0 / f64::from(dimension));
     let length = if model.is_rubber() {

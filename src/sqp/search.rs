@@ -12,7 +12,7 @@ use crate::model::state::State;
 /// Below this a smaller part of the increment leads further.
 const LEAST_LENGTH: f64 = 1.0 / 256.0;
 /// The same of a step that is taken without progress.
-const LEAST_LEAP: f64 = 0.25;
+const LEAST_NON_MONOTONE: f64 = 0.25;
 /// Least relative progress in one of the filter's measures.
 const LEAST_PROGRESS: f64 = 1e-4;
 /// Share of the least J that a step must leave.
@@ -62,11 +62,15 @@ pub(crate) fn search(
 
 /// Moves the state along `step` as far as every point keeps its share of the volume, whatever the
 /// residuals say; the state stays where that is nowhere.
-pub(crate) fn leap(run: &mut Run<'_>, step: &Step, now: &Evaluation) -> Option<Evaluation> {
+pub(crate) fn non_monotone_step(
+    run: &mut Run<'_>,
+    step: &Step,
+    now: &Evaluation,
+) -> Option<Evaluation> {
     let old = run.state.clone();
     let floor = now.least_jacobian.map(|least| JACOBIAN_SHARE * least);
     let mut length = 1.0;
-    while length >= LEAST_LEAP {
+    while length >= LEAST_NON_MONOTONE {
         step.apply(run.state, length);
         let trial = run.evaluate();
         if !is_inside_out(&trial, floor) {

@@ -69,7 +69,7 @@ fn has_flown(model: &Model<'_>, state: &State) -> bool {
     let supports = drive.motions.iter().map(|motion| norm(&motion.translation));
     let held = drive.supports.iter().map(|components| norm(components));
     let ways = tools.chain(supports).chain(held);
-    let travel = ways.fold(0.0, f64::max) / model.plan.units.length;
+    let travel = ways.fold(0.0, f64::max) / model.plan.problem.units.length;
     largest(&state.displacement) > FLOWN * (1.0 + travel)
 }
 

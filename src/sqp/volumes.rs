@@ -18,7 +18,7 @@ pub(crate) fn volumes(
     let (Some(block), Some(divergence)) = (&model.prepared.pressure, divergence) else {
         return None;
     };
-    let contact = &model.plan.contact;
+    let contact = &model.plan.decisions.contact;
     let has_contact = model.plan.unknowns().contact > 0;
     let is_asked =
         block.coarse.is_thin || (has_contact && contact.metric == MetricKind::Compliance);

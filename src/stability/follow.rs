@@ -26,7 +26,7 @@ const SHARP: Accuracy = Accuracy {
     level: 1e-4,
     iterations: 200,
 };
-/// Least eigenvalue that a rough step vouches for.
+/// Least eigenvalue that an inexact step vouches for.
 const DOUBTFUL: f64 = 0.1;
 
 /// Follows the softest motion to the equilibrium of `program`; none where a solve was stopped.

@@ -35,7 +35,7 @@ pub(crate) fn certify(run: &mut Run<'_>, ending: &mut Ending) {
     if ending.termination != Termination::Converged || !run.model.is_rubber() {
         return;
     }
-    let check = run.model.plan.stability.check;
+    let check = run.model.plan.decisions.stability.check;
     run.learned.lowest_mode = match check {
         StabilityCheck::Exact if run.model.plan.counts_motions() => exact::certified(run),
         StabilityCheck::Exact => lanczos::certified(run),
@@ -49,7 +49,7 @@ pub(crate) fn certify(run: &mut Run<'_>, ending: &mut Ending) {
         (ending.termination, ending.stability) = (termination, None);
         return;
     }
-    let goes_on = run.model.plan.settings.on_instability == OnInstability::Continue;
+    let goes_on = run.model.plan.problem.settings.on_instability == OnInstability::Continue;
     if ending.stability == Some(Stability::Saddle) && !goes_on {
         ending.termination = Termination::NotConverged;
         ending.cause = Some(Cause::UnstableEquilibrium);

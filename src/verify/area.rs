@@ -41,7 +41,7 @@ impl Faces<'_, '_> {
             2 => (tangents[0], [0.0, 0.0, 1.0], 1.0),
             _ => (tangents[0], tangents[1], 0.5),
         };
-        let turn = match self.model.plan.resolved.kind {
+        let turn = match self.model.plan.problem.resolved.kind {
             SceneKind::Axisymmetric => TAU,
             SceneKind::Solid | SceneKind::PlaneStrain => 0.0,
         };
@@ -78,7 +78,7 @@ impl Faces<'_, '_> {
 
     /// x_s and x_t at a point of a deformed face.
     fn tangents(&self, face: &ContactFace, l: &[f64]) -> [[f64; 3]; 2] {
-        let units = &self.model.plan.units;
+        let units = &self.model.plan.problem.units;
         let unit = units.coordinate_scale * units.length;
         let (_, slopes) = shapes(l, slopes_of_hats(l), self.pairs);
         let edges = &slopes[face.corners.len()..];

@@ -16,7 +16,7 @@ use crate::scene::SceneKind;
 
 /// Corner positions in the caller's units.
 pub(crate) fn positions(model: &Model<'_>, vertices: &[u32]) -> Vec<[f64; 3]> {
-    let factor = model.plan.units.coordinate_scale * model.plan.units.length;
+    let factor = model.plan.problem.units.coordinate_scale * model.plan.problem.units.length;
     let corner = |&vertex: &u32| scale(factor, model.mesh.coordinates()[vertex as usize]);
     vertices.iter().map(corner).collect()
 }
@@ -66,7 +66,7 @@ pub(crate) struct Point {
 impl Cell {
     /// The cell of this number.
     pub(crate) fn new(model: &Model<'_>, cell: usize) -> Self {
-        let units = &model.plan.units;
+        let units = &model.plan.problem.units;
         let kind = model.mesh.cell_kind();
         let scale = units.coordinate_scale * units.length;
         let corners = model.mesh.corners(cell).map(|x| x.map(|x| x * scale));
@@ -90,7 +90,7 @@ impl Cell {
                 .offsets_of_cell(cell)
                 .unwrap_or_default()
                 .map(|o| o.map(|x| x * scale)),
-            kind: model.plan.resolved.kind,
+            kind: model.plan.problem.resolved.kind,
         }
     }
 

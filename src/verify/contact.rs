@@ -32,7 +32,7 @@ pub(super) fn residuals(
     force: &mut [[f64; 3]],
 ) -> (Vec<f64>, Vec<f64>) {
     let model = faces.model;
-    let units = &model.plan.units;
+    let units = &model.plan.problem.units;
     let pressure: Vec<f64> = state.multiplier.iter().map(|l| l * units.stress).collect();
     let mut gap = vec![0.0; pressure.len()];
     for (interface, met) in model.placed(&state.drive) {
@@ -65,11 +65,11 @@ pub(super) struct Faces<'a, 'm> {
 impl<'a, 'm> Faces<'a, 'm> {
     /// Of the body of `model`.
     pub(super) fn new(model: &'a Model<'m>, nodal: &'a [[f64; 3]]) -> Self {
-        let (simplex, pairs): (_, &[(usize, usize)]) = match model.plan.units.dimension {
+        let (simplex, pairs): (_, &[(usize, usize)]) = match model.plan.problem.units.dimension {
             2 => (Simplex::Segment, &[(0, 1)]),
             _ => (Simplex::Triangle, &[(0, 1), (0, 2), (1, 2)]),
         };
-        let mut shapes = model.plan.obstacles.iter().map(|one| &one.shape);
+        let mut shapes = model.plan.problem.obstacles.iter().map(|one| &one.shape);
         let degree = if shapes.all(|shape| shape.is_smooth()) {
             FACE_DEGREE
         } else {
@@ -92,7 +92,7 @@ impl<'a, 'm> Faces<'a, 'm> {
         pressure: &[f64],
         (gap, force): (&mut [f64], &mut [[f64; 3]]),
     ) {
-        let units = &self.model.plan.units;
+        let units = &self.model.plan.problem.units;
         for (point, weight) in self.rule.points.iter().zip(&self.rule.weights) {
             let l = &point[..units.dimension];
             let (values, _) = shapes(l, &[], self.pairs);
@@ -130,7 +130,7 @@ impl<'a, 'm> Faces<'a, 'm> {
 
     /// Area or, where the way around is that of each point, length.
     pub(super) fn measure(&self, face: &ContactFace, l: &[f64]) -> f64 {
-        let units = &self.model.plan.units;
+        let units = &self.model.plan.problem.units;
         if let Some(curve) = &face.curve {
             let unit = match units.dimension {
                 2 => units.length,
@@ -147,7 +147,7 @@ impl<'a, 'm> Faces<'a, 'm> {
     /// The displaced point with coordinates `l`, and the undeformed radius; `values`
     /// are those of the shape functions.
     pub(super) fn place(&self, face: &ContactFace, l: &[f64], values: &[f64]) -> ([f64; 3], f64) {
-        let units = &self.model.plan.units;
+        let units = &self.model.plan.problem.units;
         let scale = units.coordinate_scale * units.length;
         let mut x = [0.0; 3];
         for (&vertex, l) in face.corners.iter().zip(l) {

@@ -1,4 +1,4 @@
-//! Slips and tractions of rough obstacles, face by face:
+//! Slips and tractions of frictional obstacles, face by face:
 //!
 //! ```text
 //! S_m = int psi_m [x - Q x0] da,   f(v) += int t . v,   t = sum_m psi_m t_m
@@ -37,7 +37,7 @@ pub(super) fn residuals(
     faces: &Faces<'_, '_>,
     force: &mut [[f64; 3]],
 ) -> Misfit {
-    let stress = model.plan.units.stress;
+    let stress = model.plan.problem.units.stress;
     let frames = friction.frames(model, state);
     let width = friction.components.count();
     let radii = friction
@@ -93,8 +93,8 @@ fn travels(
     let Some(start) = &model.conditions.slip_start else {
         return vec![[0.0; 3]; vectors.len()];
     };
-    let length = model.plan.units.length;
-    let unit = length * model.plan.units.area();
+    let length = model.plan.problem.units.length;
+    let unit = length * model.plan.problem.units.area();
     let [from, to] =
         [start.drive(), &state.drive].map(|drive| model.interfaces.obstacles(drive, length));
     let before = State {
@@ -105,7 +105,7 @@ fn travels(
     let mut all = Vec::with_capacity(vectors.len());
     let mut vectors = vectors;
     for (index, (interface, met)) in model.placed(&state.drive).enumerate() {
-        if met.obstacle().is_none() || !model.plan.obstacles[index].is_rough {
+        if met.obstacle().is_none() || !model.plan.problem.obstacles[index].is_frictional {
             continue;
         }
         let (own, rest) = vectors.split_at(interface.multipliers.len());
@@ -145,7 +145,7 @@ fn by_axis(vectors: &[[f64; 3]], map: impl Fn(&[f64]) -> Vec<f64>) -> Vec<[f64; 
         .collect()
 }
 
-/// Faces of a rough obstacle that has moved from one pose to another one.
+/// Faces of a frictional obstacle that has moved from one pose to another one.
 struct Slide<'a, 'f, 'm> {
     faces: &'a Faces<'f, 'm>,
     /// Displacement where the increment began `[nodes, 3]`.
@@ -162,7 +162,7 @@ impl Slide<'_, '_, '_> {
         (sums, force): (&mut [[f64; 3]], &mut [[f64; 3]]),
     ) {
         let faces = self.faces;
-        let units = &faces.model.plan.units;
+        let units = &faces.model.plan.problem.units;
         for (point, weight) in faces.rule.points.iter().zip(&faces.rule.weights) {
             let l = &point[..units.dimension];
             let (values, _) = shapes(l, &[], faces.pairs);

@@ -26,10 +26,11 @@ const PRESSURE_DEGREE: u32 = 5;
 /// All loads at the state's load factor, `[nodes, 3]`.
 pub(crate) fn external_load(model: &Model<'_>, state: &State, nodal: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mut force = vec![[0.0; 3]; model.prepared.space.nodes()];
-    let field = model.plan.resolved.manufactured.as_ref();
+    let field = model.plan.problem.resolved.manufactured.as_ref();
     let degree = match field {
         Some(_) => model
             .plan
+            .problem
             .settings
             .quadrature_degree
             .unwrap_or(ANALYTIC_DEGREE),
@@ -37,12 +38,12 @@ pub(crate) fn external_load(model: &Model<'_>, state: &State, nodal: &[[f64; 3]]
         None if state.drive.given.is_unloaded() => CONSTANT_DEGREE,
         None => VALUES_DEGREE,
     };
-    let (cell, facet) = match model.plan.units.dimension {
+    let (cell, facet) = match model.plan.problem.units.dimension {
         2 => (Simplex::Triangle, Simplex::Segment),
         _ => (Simplex::Tetrahedron, Simplex::Triangle),
     };
     let given = &state.drive.given;
-    let has_force = model.plan.resolved.has_body_force() || !given.body_force.is_empty();
+    let has_force = model.plan.problem.resolved.has_body_force() || !given.body_force.is_empty();
     if has_force || field.is_some() {
         let rule = &rule(cell, degree);
         Integral { model, given, rule }.add_volume(&mut force);
@@ -66,8 +67,10 @@ pub(crate) fn external_load(model: &Model<'_>, state: &State, nodal: &[[f64; 3]]
 }
 
 fn shear_modulus(model: &Model<'_>, cell: usize) -> f64 {
-    let material = usize::from(model.plan.resolved.cell_material[cell]);
-    model.plan.resolved.materials[material].law.shear_modulus
+    let material = usize::from(model.plan.problem.resolved.cell_material[cell]);
+    model.plan.problem.resolved.materials[material]
+        .law
+        .shear_modulus
 }
 
 /// Loads by one rule, as they are added to forces `[nodes, 3]`.
@@ -118,13 +121,14 @@ impl Integral<'_, '_> {
         let model = self.model;
         let kind = model.mesh.cell_kind();
         let pairs = kind.edges();
-        let factor = model.plan.units.coordinate_scale * model.plan.units.length;
+        let factor = model.plan.problem.units.coordinate_scale * model.plan.problem.units.length;
         for cell in 0..model.mesh.cell_count() {
             let vertices = model.mesh.cell(cell);
             let measure = kind.signed_measure(&model.mesh.corners(cell).map(|x| scale(factor, x)));
-            let density = |x: [f64; 3], _: [f64; 3]| match &model.plan.resolved.manufactured {
+            let density = |x: [f64; 3], _: [f64; 3]| match &model.plan.problem.resolved.manufactured
+            {
                 Some(field) => field.body_force(x, shear_modulus(model, cell)),
-                None => model.plan.resolved.body_force,
+                None => model.plan.problem.resolved.body_force,
             };
             let edges = &model.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
             let edge_nodes = edges
@@ -150,16 +154,16 @@ impl Integral<'_, '_> {
 
     fn add_surfaces(&self, force: &mut [[f64; 3]]) {
         let model = self.model;
-        if let Some(field) = &model.plan.resolved.manufactured {
+        if let Some(field) = &model.plan.problem.resolved.manufactured {
             for facet in model.mesh.boundary_facets() {
-                let vertices = &facet.vertices[..model.plan.units.dimension];
+                let vertices = &facet.vertices[..model.plan.problem.units.dimension];
                 let shear = shear_modulus(model, facet.cell as usize);
                 let traction = |x: [f64; 3], n: [f64; 3]| field.traction(x, n, shear);
                 self.add_facet((vertices, None, 0), &traction, force);
             }
             return;
         }
-        for (index, traction) in model.plan.resolved.tractions.iter().enumerate() {
+        for (index, traction) in model.plan.problem.resolved.tractions.iter().enumerate() {
             let given = self.given.tractions.get(index);
             for &facet in &traction.facets {
                 let value = |_: [f64; 3], _: [f64; 3]| traction.value;
@@ -178,7 +182,7 @@ impl Integral<'_, '_> {
         let model = self.model;
         let corners = positions(model, vertices);
         let (area_vector, pairs) = facet_area(&corners);
-        let factor = model.plan.units.coordinate_scale * model.plan.units.length;
+        let factor = model.plan.problem.units.coordinate_scale * model.plan.problem.units.length;
         let flat = CurvedFacet {
             corners: [0, 1, 2].map(|v| corners.get(v).copied().unwrap_or_default()),
             offsets: [[0.0; 3]; 3],

@@ -28,7 +28,7 @@ use crate::scene::SceneKind;
 
 /// Residuals of `state`, relative to the scales of the solve.
 pub(crate) fn verify(model: &Model<'_>, state: &State, ending: &Ending) -> Residuals {
-    let units = &model.plan.units;
+    let units = &model.plan.problem.units;
     let nodal = nodal_displacement(model, state);
     let (mut force, constraint) = volume::residuals(model, state, &nodal);
     let body = free_hierarchical(model, &force);
@@ -101,7 +101,7 @@ fn shapes(l: &[f64], g: &[[f64; 3]], pairs: &[(usize, usize)]) -> (Vec<f64>, Vec
 
 /// The way of a point at `radius` around the axis, where the body is turned.
 fn turn(model: &Model<'_>, radius: f64) -> f64 {
-    match model.plan.resolved.kind {
+    match model.plan.problem.resolved.kind {
         SceneKind::Axisymmetric => TAU * radius,
         SceneKind::Solid | SceneKind::PlaneStrain => 1.0,
     }
@@ -118,7 +118,7 @@ fn free_hierarchical(model: &Model<'_>, lagrange: &[[f64; 3]]) -> Vec<f64> {
         }
     }
     let c = space.components;
-    for one in &model.plan.held_nodes {
+    for one in &model.plan.problem.held_nodes {
         one.held.project(&mut rows[one.held.node as usize]);
     }
     let is_held = &model.prepared.is_held;

@@ -26,7 +26,7 @@ pub(crate) struct Pushed<'a, 'm> {
 impl Pushed<'_, '_> {
     /// Adds all pressures at load factor one to `force` `[nodes, 3]`.
     pub(crate) fn add_pressures(&self, force: &mut [[f64; 3]]) {
-        for pressure in &self.model.plan.resolved.pressures {
+        for pressure in &self.model.plan.problem.resolved.pressures {
             for &facet in &pressure.facets {
                 self.add_facet(facet as usize, pressure.value, force);
             }
@@ -38,7 +38,7 @@ impl Pushed<'_, '_> {
         let vertices = model.mesh.facet(facet);
         let corners = positions(model, vertices);
         let (flat, pairs) = facet_area(&corners);
-        let factor = model.plan.units.coordinate_scale * model.plan.units.length;
+        let factor = model.plan.problem.units.coordinate_scale * model.plan.problem.units.length;
         let curve = CurvedFacet::of(model.mesh, factor, vertices);
         let (number, _) = model.mesh.facet_cell(facet);
         let cell = Cell::new(model, number);

@@ -60,10 +60,10 @@ impl Body {
             TaylorHoodData::build(&plan, &mesh, &CancelToken::new()).expect("a solvable body");
         let interfaces = Interfaces::new(&plan, &mesh, &prepared.space);
         // Only the independent path reads what is set from here on.
-        plan.resolved.kind = kind;
+        plan.problem.resolved.kind = kind;
         let facets = ["x1", "y0"].map(|name| mesh.group(name, GroupKind::Facets));
         let facets = facets.iter().flatten().flat_map(|group| &group.members);
-        plan.resolved.pressures = vec![ResolvedPressure {
+        plan.problem.resolved.pressures = vec![ResolvedPressure {
             facets: facets.copied().collect(),
             value: 0.7,
         }];
@@ -110,9 +110,9 @@ impl Body {
             _ => Simplex::Tetrahedron,
         };
         let rule = rule(simplex, self.plan.strain_degree());
-        let rubber = self.plan.resolved.materials[0].rubber.as_ref();
+        let rubber = self.plan.problem.resolved.materials[0].rubber.as_ref();
         let rubber = rubber.expect("a rubber");
-        let length = self.plan.units.length * self.plan.units.coordinate_scale;
+        let length = self.plan.problem.units.length * self.plan.problem.units.coordinate_scale;
         let mut energy = 0.0;
         for number in 0..self.mesh.cell_count() {
             let cell = cell::Cell::new(&model, number);
@@ -124,7 +124,7 @@ impl Body {
                 let pressure: f64 = at.map(|(&v, l)| l * state.pressure[v as usize]).sum();
                 let radius = l.iter().zip(&corners).map(|(l, x)| l * x[0]).sum();
                 let measure = weight * kind.signed_measure(&corners) * turn(&model, radius);
-                energy += measure * rubber.energy(&h, pressure * self.plan.units.stress);
+                energy += measure * rubber.energy(&h, pressure * self.plan.problem.units.stress);
             }
         }
         energy
@@ -174,7 +174,7 @@ fn forces_and_volume_defects_are_slopes_of_the_energy() {
             state.pressure[vertex] -= length;
             energy
         };
-        let slope = (energy(1e-3) - energy(-1e-3)) / (2e-3 * body.plan.units.stress);
+        let slope = (energy(1e-3) - energy(-1e-3)) / (2e-3 * body.plan.problem.units.stress);
         assert!((slope + constraint[vertex]).abs() < 1e-12);
         assert!(slope.abs() > 1e-5);
     }
@@ -185,7 +185,7 @@ fn the_formula_of_nanson_gives_the_load_of_deformed_faces() {
     for (body, measure) in bodies() {
         let (state, nodal) = body.state();
         let found = loads::external_load(&body.model(), &state, &nodal);
-        let units = &body.plan.units;
+        let units = &body.plan.problem.units;
         let pressed = PressedBody {
             mesh: &body.mesh,
             scale: units.coordinate_scale,
@@ -194,8 +194,8 @@ fn the_formula_of_nanson_gives_the_load_of_deformed_faces() {
             displacement: &state.displacement,
         };
         let pressures = [FollowerPressure {
-            facets: &body.plan.resolved.pressures[0].facets,
-            pressure: body.plan.resolved.pressures[0].value / units.stress,
+            facets: &body.plan.problem.resolved.pressures[0].facets,
+            pressure: body.plan.problem.resolved.pressures[0].value / units.stress,
         }];
         let mut load = vec![0.0; state.displacement.len()];
         add_follower_load(&pressed, &pressures, &mut load);

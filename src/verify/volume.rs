@@ -48,7 +48,7 @@ pub(crate) fn residuals(
 
 /// Of rubber the solver's own: another rule would change the discrete problem.
 fn degree(model: &Model<'_>) -> u32 {
-    if model.plan.resolved.is_rubber() {
+    if model.plan.problem.resolved.is_rubber() {
         model.plan.strain_degree()
     } else {
         LINEAR_DEGREE
@@ -93,7 +93,7 @@ impl Body<'_, '_> {
         (!self.state.pressure.is_empty()).then(|| {
             let at = vertices.iter().zip(l);
             let sum: f64 = at.map(|(&v, l)| l * self.state.pressure[v as usize]).sum();
-            sum * self.model.plan.units.stress
+            sum * self.model.plan.problem.units.stress
         })
     }
 
@@ -102,8 +102,8 @@ impl Body<'_, '_> {
         let cell = Cell::new(model, number);
         let measure = model.mesh.cell_kind().signed_measure(&cell.corners);
         let vertices = model.mesh.cell(number);
-        let material = usize::from(model.plan.resolved.cell_material[number]);
-        let material = &model.plan.resolved.materials[material];
+        let material = usize::from(model.plan.problem.resolved.cell_material[number]);
+        let material = &model.plan.problem.resolved.materials[material];
         for (l, weight) in self.rule.points.iter().zip(&self.rule.weights) {
             let point = cell.point(&l[..vertices.len()], self.nodal);
             let weight = weight * measure * point.measure * turn(model, point.place[0]);

@@ -20,6 +20,7 @@ const RESCUES: &[[&str; 5]] = &[
     ["bounded parts", "continuation::longest_part", "round tools that would pass through the body", "tests/contact/passing.rs", "a_small_ball_presses_alike_from_wherever_it_comes"],
     ["tools that have left", "sqp::left_tools", "pressure that stays where a tool has lifted off", "tests/linear/lifted.rs", "a_press_behind_any_lift_equals_the_first_one"],
     ["scales that forget", "sqp::scales::forget_scales", "a body that nothing drives any more", "tests/linear/lifted.rs", "a_tool_that_comes_back_to_just_touch_leaves_a_body_at_rest"],
+    ["sharper target", "sqp::increment", "a program that took no iteration", "tests/linear/lifted.rs", "a_tool_that_comes_back_to_just_touch_leaves_a_body_at_rest"],
     ["least slip", "force_control::least_slip", "free components of a tool that grips and is turned", "tests/friction/rubber.rs", "a_cylinder_that_is_turned_rolls_where_nothing_holds_it_along"],
     ["largest force", "force_control::broyden::Stall", "a push beyond what contact bears", "tests/friction/rubber.rs", "a_roller_turned_by_more_than_its_contact_holds_has_no_equilibrium"],
     ["approach to contact", "force_control::approach", "a pushed tool away from the body", "tests/contact/pushed.rs", "a_body_that_only_obstacles_hold_is_squeezed_by_any_force"],

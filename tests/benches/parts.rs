@@ -17,9 +17,9 @@ use std::sync::Arc;
 
 use body::{Body, bent_cube};
 use notebook::{Notebook, Wishes};
-use signorini::assembly::grid::{Basis, Rows, VolumeTerm};
+use signorini::assembly::grid::{Basis, Rows, StiffnessForm, VolumeTerm};
 use signorini::assembly::simd::InstructionSet;
-use signorini::assembly::strain::{CellLaws, Linearised, StrainGrid};
+use signorini::assembly::strain::{CellLaws, Linearised, Mixed, StrainGrid};
 use signorini::contact::gap::{Deformed, Measure};
 use signorini::contact::{ContactSurface, curvature, evaluate_gaps, linearise};
 use signorini::element::quadrature::{Simplex, rule};
@@ -36,6 +36,15 @@ use signorini::{CancelToken, GroupKind, Plan, Prepared, Reuse, Session, Silent, 
 
 const THREADS: [usize; 2] = [1, 2];
 
+/// A product as programs without contact have it.
+fn form(basis: Basis) -> StiffnessForm {
+    StiffnessForm {
+        basis,
+        rows: Rows::Free,
+        volume: VolumeTerm::Own,
+    }
+}
+
 /// A, B and B^T in every instruction set of the machine.
 fn kernels(notebook: &mut Notebook, body: &Body) {
     let (size, vertices) = (body.space.displacement_unknowns(), body.space.vertices);
@@ -47,12 +56,10 @@ fn kernels(notebook: &mut Notebook, body: &Body) {
         let (name, mut work) = (set.name(), Workspace::new());
         for threads in THREADS {
             notebook.measure("operator, Lagrange", name, threads, size, || {
-                let on = (Basis::Lagrange, Rows::Free, VolumeTerm::Own);
-                grid.stiffness(on, &x, &mut y, &mut work);
+                grid.stiffness(form(Basis::Lagrange), &x, &mut y, &mut work);
             });
             notebook.measure("operator, hierarchical", name, threads, size, || {
-                let on = (Basis::Hierarchical, Rows::Free, VolumeTerm::Own);
-                grid.stiffness(on, &x, &mut y, &mut work);
+                grid.stiffness(form(Basis::Hierarchical), &x, &mut y, &mut work);
             });
             notebook.measure("divergence", name, threads, size, || {
                 grid.divergence(Rows::Free, &x, &mut r, &mut work);
@@ -102,7 +109,11 @@ fn rubber(notebook: &mut Notebook, body: &Body) {
                 };
                 measure("tangent", &mut || {
                     let tangent = cells.about(&at);
-                    tangent.apply(Rows::Free, (&x, &p), (&mut y, &mut r), &mut work);
+                    let into = Mixed {
+                        displacement: &mut y,
+                        pressure: &mut r,
+                    };
+                    tangent.apply(Rows::Free, (&x, &p), into, &mut work);
                 });
                 measure("residual", &mut || {
                     let _sums = cells.respond((&state, &p), (&mut y, &mut r), &mut work);

@@ -132,9 +132,10 @@ impl Line<'_> {
     fn seconds(&self) -> [String; 2] {
         let seconds = self.row.numbers.seconds;
         let ratio = |first: &Row| times(seconds / first.numbers.seconds);
-        match self.row.converged() {
-            true => [in_seconds(seconds), told(self.first, ratio)],
-            false => [self.row.outcome.spoken(), NOTHING.to_owned()],
+        if self.row.converged() {
+            [in_seconds(seconds), told(self.first, ratio)]
+        } else {
+            [self.row.outcome.spoken(), NOTHING.to_owned()]
         }
     }
 }

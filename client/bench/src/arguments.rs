@@ -58,9 +58,10 @@ pub struct Arguments {
 impl Arguments {
     /// What they ask the plan for.
     pub(crate) fn wishes(&self) -> Wishes {
-        let extent = match self.quick {
-            true => Extent::Quick,
-            false => Extent::Full,
+        let extent = if self.quick {
+            Extent::Quick
+        } else {
+            Extent::Full
         };
         Wishes {
             extent,

@@ -11,23 +11,29 @@ use crate::row::Row;
 /// force of the obstacle, the others the energy norm with the H1 seminorm: for an
 /// incompressible body of one material the two differ by a factor near one.
 pub(crate) fn diagram(results: &Results, family: &'static Family) -> Diagram {
-    let truth = match family.quantities.contains(&Quantity::Force) {
-        true => Quantity::Force,
-        false => Quantity::DisplacementH1,
+    let truth = if family.quantities.contains(&Quantity::Force) {
+        Quantity::Force
+    } else {
+        Quantity::DisplacementH1
     };
     let curve = results.curves_of(family).into_iter().next();
     let curve = curve.unwrap_or_default();
-    let label = match truth == Quantity::Force {
-        true => "estimated error of the contact force",
-        false => "estimated error (energy norm)",
+    let label = if truth == Quantity::Force {
+        "estimated error of the contact force"
+    } else {
+        "estimated error (energy norm)"
     };
-    let estimate = points(&curve, |row| match truth == Quantity::Force {
-        true => row.numbers.force_estimate,
-        false => row.numbers.estimate,
+    let estimate = points(&curve, |row| {
+        if truth == Quantity::Force {
+            row.numbers.force_estimate
+        } else {
+            row.numbers.estimate
+        }
     });
-    let found = match estimate.is_empty() {
-        true => Vec::new(),
-        false => points(&curve, |row| row.error(truth)),
+    let found = if estimate.is_empty() {
+        Vec::new()
+    } else {
+        points(&curve, |row| row.error(truth))
     };
     let named = |label: String, stroke, points| Curve {
         label,

@@ -59,9 +59,12 @@ fn line(results: &Results, scope: &Scope, strand: &Strand<'_>, quantity: Quantit
 fn error(strand: &Strand<'_>, level: Level, quantity: Quantity) -> String {
     let mut rows = strand.rows.iter();
     let row = rows.find(|row| row.case.level == level);
-    let text = |row: &Row| match row.converged() {
-        true => told(row.error(quantity), |error| format!("{error:.1e}")),
-        false => row.outcome.spoken(),
+    let text = |row: &Row| {
+        if row.converged() {
+            told(row.error(quantity), |error| format!("{error:.1e}"))
+        } else {
+            row.outcome.spoken()
+        }
     };
     told(row, |row| text(row))
 }

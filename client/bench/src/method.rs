@@ -14,12 +14,13 @@ pub(crate) struct Method {
 impl Method {
     /// Changes of the scene, as `--set` takes them.
     pub(crate) fn overrides(&self) -> impl Iterator<Item = String> {
-        self.keys
-            .iter()
-            .map(|(key, value)| match key.contains('.') {
-                true => format!("{key}={value}"),
-                false => format!("solver.{key}={value}"),
-            })
+        self.keys.iter().map(|(key, value)| {
+            if key.contains('.') {
+                format!("{key}={value}")
+            } else {
+                format!("solver.{key}={value}")
+            }
+        })
     }
 }
 

@@ -134,9 +134,10 @@ pub(crate) fn html(results: &Results, report: &Report) -> String {
         page.push_str(&failures(results, &report.left_out));
         page.push_str(&numbers(&results.rows));
     }
-    let shipped = match results.findings.is_empty() {
-        true => Vec::new(),
-        false => extremes::peers_about(),
+    let shipped = if results.findings.is_empty() {
+        Vec::new()
+    } else {
+        extremes::peers_about()
     };
     page.push_str(&about_peers(
         &[results.peers.about.clone(), shipped].concat(),
@@ -241,9 +242,10 @@ fn failures(results: &Results, left_out: &[LeftOut]) -> String {
     let left_out = left_out.iter().cloned();
     let left_out = left_out.map(|(case, reason)| [case, reason, "–".to_owned()]);
     let table = Table::new(columns).with(failed.chain(others).chain(left_out));
-    let text = match table.is_empty() {
-        true => "<p>None: every case met its tolerance.</p>\n".to_owned(),
-        false => table.html(),
+    let text = if table.is_empty() {
+        "<p>None: every case met its tolerance.</p>\n".to_owned()
+    } else {
+        table.html()
     };
     heading(FAILURES) + &text
 }

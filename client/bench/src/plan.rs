@@ -134,9 +134,10 @@ impl Wishes {
         }
         cases.sort_by_key(|(rank, case)| (case.place == Place::Study, *rank));
         let has_trials = |study: &&Study| study.measure == Measure::Extremes;
-        let trials = match studies.iter().any(has_trials) {
-            true => extremes::trials(self.extent)?,
-            false => Vec::new(),
+        let trials = if studies.iter().any(has_trials) {
+            extremes::trials(self.extent)?
+        } else {
+            Vec::new()
         };
         let asked = self.budget;
         Ok(Plan {

@@ -117,9 +117,10 @@ fn cell(line: &str, shape: Shape, places: &[[f64; 3]]) -> String {
             *sum += 0.25 * part;
         }
     }
-    match is_second(centre, shape) {
-        true => format!("{number} 4 2 2 2 {}", corners.join(" ")),
-        false => line.to_owned(),
+    if is_second(centre, shape) {
+        format!("{number} 4 2 2 2 {}", corners.join(" "))
+    } else {
+        line.to_owned()
     }
 }
 

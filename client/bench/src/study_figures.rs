@@ -36,9 +36,10 @@ pub(crate) fn inquiries(results: &Results, studies: &[&'static Study]) -> Vec<In
 }
 
 fn remark(results: &Results, study: &Study) -> String {
-    match study.measure == Measure::Extremes {
-        true => extremes::remark(&results.findings),
-        false => String::new(),
+    if study.measure == Measure::Extremes {
+        extremes::remark(&results.findings)
+    } else {
+        String::new()
     }
 }
 
@@ -89,9 +90,12 @@ fn diagram(title: String, across: &Axis, up: &str, curves: Vec<Curve>) -> Diagra
 
 /// One curve a choice; refused ones keep their colour and stay empty.
 fn curves(strands: &[Strand<'_>], point: impl Fn(&Row) -> Option<Point>) -> Vec<Curve> {
-    let points = |strand: &Strand<'_>| match strand.is_known() {
-        true => strand.rows.iter().filter_map(|row| point(row)).collect(),
-        false => Vec::new(),
+    let points = |strand: &Strand<'_>| {
+        if strand.is_known() {
+            strand.rows.iter().filter_map(|row| point(row)).collect()
+        } else {
+            Vec::new()
+        }
     };
     let curve = |strand: &Strand<'_>| Curve {
         label: strand.label.to_owned(),
@@ -207,9 +211,10 @@ fn tolerance_curve(
 ) -> Curve {
     let named = |row: &&Row| -> Option<Point> {
         let mut point = point(row)?;
-        point.name = match has_own_tolerance(strand.label) {
-            true => String::new(),
-            false => format!("{:e}", row.case.tolerance),
+        point.name = if has_own_tolerance(strand.label) {
+            String::new()
+        } else {
+            format!("{:e}", row.case.tolerance)
         };
         Some(point)
     };

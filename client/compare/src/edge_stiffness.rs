@@ -69,9 +69,10 @@ fn couplings(mesh: &Mesh) -> Vec<Coupled> {
     for (cell, edges) in mesh.cell_edges().chunks_exact(per_cell).enumerate() {
         for first in 0..per_cell {
             for second in 0..first {
-                let (low, high) = match edges[first] < edges[second] {
-                    true => (first, second),
-                    false => (second, first),
+                let (low, high) = if edges[first] < edges[second] {
+                    (first, second)
+                } else {
+                    (second, first)
                 };
                 list.push(Coupled {
                     pair: [edges[low], edges[high]],

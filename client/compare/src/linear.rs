@@ -84,7 +84,7 @@ impl LinearSolver for Minres {
         let blocks = system.pressure.map_or(&[][..], std::slice::from_ref);
         let operator = SaddleOperator {
             stiffness: system.stiffness,
-            released: None,
+            geometric: None,
             blocks,
         };
         let diagonal = BlockDiagonal {

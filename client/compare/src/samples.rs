@@ -40,9 +40,10 @@ impl Below {
 impl Monitor for Below {
     fn judge(&mut self, residual: &[f64]) -> Verdict {
         self.iterations += 1;
-        match norm(residual) < self.bound {
-            true => Verdict::Stop,
-            false => Verdict::Continue,
+        if norm(residual) < self.bound {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
         }
     }
 }

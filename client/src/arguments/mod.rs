@@ -2,7 +2,7 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `access`, `fleet`, `study` | arguments of groups of commands |
+//! | `access`, `fleet`, `objects`, `study` | arguments of groups of commands |
 //! | `connection` | the server of a command: one that runs, or one in this process |
 //! | `input` | files that a command names |
 
@@ -12,6 +12,7 @@ pub(crate) mod compared;
 pub(crate) mod connection;
 mod fleet;
 pub(crate) mod input;
+mod objects;
 mod study;
 
 use std::path::PathBuf;
@@ -26,6 +27,7 @@ pub(crate) use access::AccessArguments;
 #[cfg(feature = "embedded")]
 pub(crate) use access::{CertsCommand, TokenCommand};
 pub(crate) use fleet::FleetCommand;
+pub(crate) use objects::{EmbedCommand, MeshCommand, SessionCommand};
 #[cfg(feature = "fleet")]
 pub(crate) use study::QueueArguments;
 use study::{STUDY_EXAMPLES, WORKER_EXAMPLES};
@@ -393,94 +395,6 @@ pub(crate) struct CancelArguments {
     pub(crate) sequence: Option<i64>,
     #[command(flatten)]
     pub(crate) remote: RemoteArguments,
-}
-
-#[derive(Debug, Subcommand)]
-pub(crate) enum MeshCommand {
-    /// Groups, sizes and quality of a mesh file; needs no server
-    Info {
-        /// Mesh file
-        file: PathBuf,
-        /// One JSON object
-        #[arg(long)]
-        json: bool,
-    },
-    /// Upload a mesh file and print its digest
-    Put {
-        /// Mesh file
-        file: PathBuf,
-        #[command(flatten)]
-        remote: RemoteArguments,
-    },
-    /// List meshes
-    List {
-        #[command(flatten)]
-        remote: RemoteArguments,
-    },
-    /// Drop a mesh that no session uses
-    Delete {
-        /// Digest
-        digest: String,
-        #[command(flatten)]
-        remote: RemoteArguments,
-    },
-}
-
-#[derive(Debug, Subcommand)]
-pub(crate) enum SessionCommand {
-    /// List sessions
-    List {
-        #[command(flatten)]
-        remote: RemoteArguments,
-    },
-    /// Show one session
-    Show {
-        /// Name or identifier
-        session: String,
-        #[command(flatten)]
-        remote: RemoteArguments,
-    },
-    /// Cancel what runs and forget a session
-    Delete {
-        /// Name or identifier
-        session: String,
-        #[command(flatten)]
-        remote: RemoteArguments,
-    },
-}
-
-/// What a library of another language may ask.
-#[derive(Debug, Subcommand)]
-pub(crate) enum EmbedCommand {
-    /// Read a scene (TOML) from stdin, print the message; its `mesh`, and the files of tools,
-    /// are paths
-    Scene {
-        /// Names the scene: its stem is the default name, its folder holds the mesh
-        path: PathBuf,
-        /// Change a key of the scene
-        #[arg(long = "set", value_name = "PATH=VALUE")]
-        overrides: Vec<Override>,
-    },
-    /// Read a mesh file, print the messages of its upload, each after its length
-    Mesh {
-        /// The file
-        path: PathBuf,
-    },
-    /// Read an STL file, print the messages of its upload, each after its length
-    Surface {
-        /// The file
-        path: PathBuf,
-    },
-    /// Read a grid of heights or distances, print the messages of its upload
-    Grid {
-        /// The file
-        path: PathBuf,
-    },
-    /// Serve until stdin ends
-    Serve {
-        /// Where to listen: HOST:PORT or unix:PATH
-        listen: String,
-    },
 }
 
 #[cfg(test)]

@@ -101,9 +101,8 @@ impl Ground {
     /// The session of a checkpoint, and whether another instruction set rounded it.
     fn import(self, bytes: &[u8]) -> Result<(Session, bool), CheckpointError> {
         let is_foreign = Session::check_import(&self.plan, bytes, Rounding::Same).is_err();
-        let rounded = (bytes, Rounding::Any);
         let session =
-            Session::import_rounded(self.plan, self.mesh, self.prepared, self.reuse, rounded);
+            Session::import_rounded(self.plan, self.mesh, self.prepared, self.reuse, bytes);
         Ok((session?, is_foreign))
     }
 }

@@ -63,6 +63,17 @@ pub enum VolumeTerm {
     Augmented,
 }
 
+/// A product with the stiffness.
+#[derive(Clone, Copy, Debug)]
+pub struct StiffnessForm {
+    /// Basis of argument and result.
+    pub basis: Basis,
+    /// Which rows are left alone.
+    pub rows: Rows,
+    /// Resistance to changes of volume.
+    pub volume: VolumeTerm,
+}
+
 /// Blocks of one cell kind.
 #[derive(Clone, Debug)]
 pub struct CellGrid<const V: usize, const D: usize, const E: usize> {
@@ -106,14 +117,8 @@ impl Grid {
     }
 
     /// `y = A x` on all nodes.
-    pub fn stiffness(
-        &self,
-        (basis, rows, volume): (Basis, Rows, VolumeTerm),
-        x: &[f64],
-        y: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        either!(self, grid => grid.stiffness((basis, rows, volume), x, y, work));
+    pub fn stiffness(&self, form: StiffnessForm, x: &[f64], y: &mut [f64], work: &mut Workspace) {
+        either!(self, grid => grid.stiffness(form, x, y, work));
     }
 
     /// `r -= A x` on all nodes, held entries of both left out.
@@ -220,14 +225,8 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
         (blocks + self.copies.bytes()) as u64
     }
 
-    fn stiffness(
-        &self,
-        on: (Basis, Rows, VolumeTerm),
-        x: &[f64],
-        y: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        self.stiffness_into(on, x, work, |local| {
+    fn stiffness(&self, form: StiffnessForm, x: &[f64], y: &mut [f64], work: &mut Workspace) {
+        self.stiffness_into(form, x, work, |local| {
             self.copies.sum::<D, f64>(local, y, set_displacement);
         });
     }
@@ -239,18 +238,28 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
         r: &mut [f64],
         work: &mut Workspace,
     ) {
-        self.stiffness_into((basis, Rows::Free, volume), x, work, |local| {
+        let form = StiffnessForm {
+            basis,
+            rows: Rows::Free,
+            volume,
+        };
+        self.stiffness_into(form, x, work, |local| {
             self.copies.sum::<D, f64>(local, r, add_displacement(-1.0));
         });
     }
 
     fn stiffness_into(
         &self,
-        (basis, rows, volume): (Basis, Rows, VolumeTerm),
+        form: StiffnessForm,
         x: &[f64],
         work: &mut Workspace,
         finish: impl FnOnce(&[Row]),
     ) {
+        let StiffnessForm {
+            basis,
+            rows,
+            volume,
+        } = form;
         self.pass(
             work,
             |block, x_rows| {

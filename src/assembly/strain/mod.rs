@@ -51,6 +51,7 @@ pub use cells::{CellLaws, Linearised, StrainGrid};
 pub use linear::CURVED_DEGREE;
 pub(super) use linear::{CurvedPass, Terms};
 pub use operator::{TangentBody, TangentDivergence, TangentStiffness};
+pub use pass::Mixed;
 pub use products::TangentProducts;
 pub use response::Response;
 pub use single::SingleTangent;

@@ -8,6 +8,14 @@ use crate::assembly::lanes::Lanes;
 use crate::assembly::transpose::Row;
 use crate::linalg::Workspace;
 
+/// What a pass over a mixed body writes.
+pub struct Mixed<'a> {
+    /// Rows of the displacement `[displacement unknowns]`.
+    pub displacement: &'a mut [f64],
+    /// Rows of the pressure `[vertices]`.
+    pub pressure: &'a mut [f64],
+}
+
 impl StrainGrid {
     /// `(f, c)` at the state `(u, p)`, hierarchical, held rows included.
     pub fn respond(
@@ -16,9 +24,13 @@ impl StrainGrid {
         (f, c): (&mut [f64], &mut [f64]),
         work: &mut Workspace,
     ) -> Response {
+        let into = Mixed {
+            displacement: f,
+            pressure: c,
+        };
         match &*self.grid {
-            Grid::Triangles(grid) => self.respond_on(grid, (u, p), (f, c), work),
-            Grid::Tetrahedra(grid) => self.respond_on(grid, (u, p), (f, c), work),
+            Grid::Triangles(grid) => self.respond_on(grid, (u, p), into, work),
+            Grid::Tetrahedra(grid) => self.respond_on(grid, (u, p), into, work),
         }
     }
 
@@ -43,7 +55,7 @@ impl StrainGrid {
         &self,
         grid: &CellGrid<V, D, E>,
         (u, p): (&[f64], &[f64]),
-        (f, c): (&mut [f64], &mut [f64]),
+        into: Mixed<'_>,
         work: &mut Workspace,
     ) -> Response {
         let mut parts = vec![Response::NONE; self.laws.len()];
@@ -57,12 +69,13 @@ impl StrainGrid {
                 block.finish_result(Basis::Hierarchical, Rows::All, y);
             },
             |local| {
-                grid.copies().sum::<D, f64>(local, f, set_displacement);
-                grid.copies().sum::<1, f64>(local, c, set_pressure);
+                let copies = grid.copies();
+                copies.sum::<D, f64>(local, into.displacement, set_displacement);
+                copies.sum::<1, f64>(local, into.pressure, set_pressure);
             },
         );
         let mut response = parts.into_iter().fold(Response::NONE, Response::with);
-        response.volume_change = -c.iter().sum::<f64>();
+        response.volume_change = -into.pressure.iter().sum::<f64>();
         response
     }
 

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::cells::{Linearised, StrainGrid};
+use super::pass::Mixed;
 use super::stored::{CellMatrices, Triangles};
 use super::tangent::StiffnessTerm;
 use crate::assembly::grid::{Basis, Grid, Rows};
@@ -58,13 +59,17 @@ impl TangentProducts {
     pub(super) fn apply(
         &self,
         x: (&[f64], &[f64]),
-        y: (&mut [f64], &mut [f64]),
+        (y, r): (&mut [f64], &mut [f64]),
         work: &mut Workspace,
     ) {
+        let into = Mixed {
+            displacement: y,
+            pressure: r,
+        };
         match &self.way {
-            Way::Laws { at, .. } => self.cells.about(at).apply(Rows::Free, x, y, work),
+            Way::Laws { at, .. } => self.cells.about(at).apply(Rows::Free, x, into, work),
             Way::Matrices(matrices) => {
-                self.on_triangles(|grid| matrices.apply(grid, x, y, work));
+                self.on_triangles(|grid| matrices.apply(grid, x, into, work));
             }
         }
     }
@@ -77,19 +82,18 @@ impl TangentProducts {
         y: &mut [f64],
         work: &mut Workspace,
     ) {
+        let mut term = StiffnessTerm {
+            basis,
+            volumetric: 0.0,
+            factor,
+        };
         match &self.way {
             Way::Laws { at, volumetric } => {
-                let term = StiffnessTerm {
-                    basis,
-                    volumetric: *volumetric,
-                    factor,
-                };
+                term.volumetric = *volumetric;
                 self.cells.about(at).add_stiffness(term, u, y, work);
             }
             Way::Matrices(matrices) => {
-                self.on_triangles(|grid| {
-                    matrices.add_stiffness((grid, basis, factor), u, y, work);
-                });
+                self.on_triangles(|grid| matrices.add_stiffness(grid, term, u, y, work));
             }
         }
     }

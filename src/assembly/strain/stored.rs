@@ -16,7 +16,8 @@ use pulp::Simd;
 use super::cells::{BatchState, Batches, Linearised, StrainGrid};
 use super::kernel::{forces, store_volumes, vertex_pressures};
 use super::laws::{Columns, Frozen};
-use super::pass::gather_state;
+use super::pass::{Mixed, gather_state};
+use super::tangent::StiffnessTerm;
 use crate::assembly::grid::{
     Basis, CellGrid, Rows, add_displacement, set_displacement, set_pressure,
 };
@@ -98,7 +99,7 @@ impl CellMatrices {
         &self,
         grid: &Triangles,
         (u, p): (&[f64], &[f64]),
-        (y, r): (&mut [f64], &mut [f64]),
+        into: Mixed<'_>,
         work: &mut Workspace,
     ) {
         grid.pass(
@@ -109,8 +110,9 @@ impl CellMatrices {
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
             |local| {
-                grid.copies().sum::<2, f64>(local, y, set_displacement);
-                grid.copies().sum::<1, f64>(local, r, set_pressure);
+                let copies = grid.copies();
+                copies.sum::<2, f64>(local, into.displacement, set_displacement);
+                copies.sum::<1, f64>(local, into.pressure, set_pressure);
             },
         );
     }
@@ -118,7 +120,8 @@ impl CellMatrices {
     /// `y += factor A u`, held rows left alone.
     pub(super) fn add_stiffness(
         &self,
-        (grid, basis, factor): (&Triangles, Basis, f64),
+        grid: &Triangles,
+        StiffnessTerm { basis, factor, .. }: StiffnessTerm,
         u: &[f64],
         y: &mut [f64],
         work: &mut Workspace,

@@ -3,7 +3,7 @@
 
 use super::batch_pass::{PressurePass, StiffPass, TangentPass, VolumePass};
 use super::cells::{Linearised, StrainGrid};
-use super::pass::gather_state;
+use super::pass::{Mixed, gather_state};
 use crate::assembly::grid::{
     Basis, CellGrid, Grid, Rows, add_displacement, set_displacement, set_pressure,
 };
@@ -62,10 +62,10 @@ impl TangentAt<'_> {
         &self,
         rows: Rows,
         (u, p): (&[f64], &[f64]),
-        (y, r): (&mut [f64], &mut [f64]),
+        into: Mixed<'_>,
         work: &mut Workspace,
     ) {
-        either!(self, on => on.apply(rows, (u, p), (y, r), work));
+        either!(self, on => on.apply(rows, (u, p), into, work));
     }
 
     /// `y += factor (A + volumetric int dJ cof F) u`, held rows left alone.
@@ -103,13 +103,7 @@ struct OnGrid<'a, const V: usize, const D: usize, const E: usize> {
 }
 
 impl<const V: usize, const D: usize, const E: usize> OnGrid<'_, V, D, E> {
-    fn apply(
-        &self,
-        rows: Rows,
-        (u, p): (&[f64], &[f64]),
-        (y, r): (&mut [f64], &mut [f64]),
-        work: &mut Workspace,
-    ) {
+    fn apply(&self, rows: Rows, (u, p): (&[f64], &[f64]), into: Mixed<'_>, work: &mut Workspace) {
         let Self { tangent, grid } = self;
         grid.pass(
             work,
@@ -125,8 +119,9 @@ impl<const V: usize, const D: usize, const E: usize> OnGrid<'_, V, D, E> {
                 block.finish_result(Basis::Hierarchical, rows, y);
             },
             |local| {
-                grid.copies().sum::<D, f64>(local, y, set_displacement);
-                grid.copies().sum::<1, f64>(local, r, set_pressure);
+                let copies = grid.copies();
+                copies.sum::<D, f64>(local, into.displacement, set_displacement);
+                copies.sum::<1, f64>(local, into.pressure, set_pressure);
             },
         );
     }

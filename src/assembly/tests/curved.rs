@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::assembly::strain::{CellLaws, Linearised, StrainGrid};
+use crate::assembly::strain::{CellLaws, Linearised, Mixed, StrainGrid};
 use crate::element::curved_cell::CurvedCell;
 use crate::geometry::rigid_motion::rotation_matrix;
 use crate::geometry::tensor::{plus, plus_unit};
@@ -220,9 +220,15 @@ fn forces_and_tangents_are_derivatives_of_the_energy() {
         let (mut y, mut r) = (vec![0.0; u.len()], vec![0.0; p.len()]);
         let still = vec![0.0; p.len()];
         let rows = Rows::All;
-        cells
-            .about(&state)
-            .apply(rows, (&step, &still), (&mut y, &mut r), work);
+        cells.about(&state).apply(
+            rows,
+            (&step, &still),
+            Mixed {
+                displacement: &mut y,
+                pressure: &mut r,
+            },
+            work,
+        );
         let pairs = above.1.iter().zip(&below.1).zip(&y);
         let apart = pairs.map(|((a, b), y)| (0.5 * (a - b) - y).abs());
         let apart = apart.fold(0.0, f64::max) / largest(&y);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::*;
 use crate::assembly::Constrained;
 use crate::assembly::strain::{
-    CellLaws, CellStates, CellTangents, Linearised, Response, SingleTangent, StrainGrid,
+    CellLaws, CellStates, CellTangents, Linearised, Mixed, Response, SingleTangent, StrainGrid,
     TangentBody, TangentDivergence, TangentProducts, TangentStiffness,
 };
 use crate::linalg::ResidualUpdate;
@@ -113,7 +113,15 @@ impl Body {
         let (mut y, mut r) = (vec![f64::NAN; u.len()], vec![f64::NAN; p.len()]);
         let work = &mut Workspace::new();
         let tangent = self.cells.about(&at);
-        tangent.apply(rows, (u, p), (&mut y, &mut r), work);
+        tangent.apply(
+            rows,
+            (u, p),
+            Mixed {
+                displacement: &mut y,
+                pressure: &mut r,
+            },
+            work,
+        );
         (y, r)
     }
 }
@@ -202,8 +210,12 @@ fn at_rest_the_tangent_is_that_of_linear_elasticity() {
             let (mut found, mut expected) = (x.clone(), x.clone());
             let work = &mut Workspace::new();
             tangent.apply(&x, &mut found, work);
-            let on = (basis, Rows::Free, VolumeTerm::Own);
-            linear.stiffness(on, &x, &mut expected, work);
+            let form = StiffnessForm {
+                basis,
+                rows: Rows::Free,
+                volume: VolumeTerm::Own,
+            };
+            linear.stiffness(form, &x, &mut expected, work);
             assert!(distance(&found, &expected) < 1e-13);
         }
     }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::assembly::strain::{CellLaws, Linearised, Response, StrainGrid};
+use crate::assembly::strain::{CellLaws, Linearised, Mixed, Response, StrainGrid};
 use crate::geometry::tensor::{Tensor, cofactor, contract, plus_unit, volume_change};
 use crate::linalg::vector::{add_scaled, scale};
 use crate::material::{InvariantLaw, Isochoric, Ogden, OgdenTerm, Rubber};
@@ -193,7 +193,10 @@ fn products_with_the_tangent_are_the_sums_over_cells_and_points() {
             cells.about(&at).apply(
                 Rows::All,
                 (&state.du, &state.dp),
-                (&mut found.0, &mut found.1),
+                Mixed {
+                    displacement: &mut found.0,
+                    pressure: &mut found.1,
+                },
                 work,
             );
             assert!(distance(&found, &expected) < 1e-12);

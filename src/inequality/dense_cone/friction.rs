@@ -33,7 +33,7 @@ use crate::saddle::{
 
 /// Newton steps in a row; what takes more cycles.
 const MOST_STEPS: u32 = 40;
-/// Change of the multipliers, over the largest, behind which the next step, whose error is
+/// Change of the multipliers, over the largest, after which the next step, whose error is
 /// the square, is of rounding: a metric on a thousand points has no more digits, and what is
 /// sought is a face.
 const CLOSE: f64 = 1e-6;
@@ -341,7 +341,7 @@ impl<'p> Newton<'p> {
         sides
     }
 
-    /// The multipliers behind a step on given sides.
+    /// The multipliers after a step on given sides.
     fn step(&self, sides: &[Side], at: (&[f64], &[f64])) -> Result<Vec<f64>, FactoriseError> {
         let unknown = |&i: &usize| sides[i] != Side::Off;
         let selected: Vec<usize> = (0..sides.len()).filter(unknown).collect();

@@ -1,4 +1,4 @@
-//! A rough sphere pressed on a half-space and dragged, in one step: the largest condensed
+//! A frictional sphere pressed on a half-space and dragged, in one step: the largest condensed
 //! problem of the tests, whose compliance is Boussinesq's and Cerruti's.
 
 use std::fmt::Write as _;

@@ -144,7 +144,7 @@ fn an_indefinite_matrix_is_a_typed_failure() {
 }
 
 /// Of pressures, then tractions of two numbers a point, then a support.
-fn rough(partners: &[u32], bounds: &[FrictionBound]) -> [SetPart<'static>; 2] {
+fn frictional(partners: &[u32], bounds: &[FrictionBound]) -> [SetPart<'static>; 2] {
     let cones = Cones {
         normals: 3,
         partners: partners.to_vec().leak(),
@@ -170,7 +170,7 @@ proptest! {
         let mut matrix = positive_definite(&entries, SIZE);
         (0..SIZE).for_each(|i| *matrix.at_mut(i, i) += 1.0);
         let bounds = [friction, 0.3].map(FrictionBound::Coulomb);
-        let set = ProductSet::Pair(rough(&[2, 0], &bounds));
+        let set = ProductSet::Pair(frictional(&[2, 0], &bounds));
         let solution = solve(&matrix, &linear, set, (&closed(&guess), &vec![0.0; linear.len()])).expect("a solution");
         let (x, s) = (&solution.values, slope(&matrix, &linear, &solution.values));
         for i in 0..3 {

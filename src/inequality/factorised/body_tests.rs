@@ -14,10 +14,10 @@ use crate::saddle::{BlockStep, EqualityBlock};
 
 const SIZE: usize = 12;
 
-/// Springs in a row to walls at both ends, less `released` on the diagonal of the middle.
-fn springs(released: f64) -> Vec<Vec<f64>> {
+/// Springs in a row to walls at both ends, less `geometric` on the diagonal of the middle.
+fn springs(geometric: f64) -> Vec<Vec<f64>> {
     let entry = |i: usize, j: usize| match i.abs_diff(j) {
-        0 if i == SIZE / 2 => 2.0 - released,
+        0 if i == SIZE / 2 => 2.0 - geometric,
         0 => 2.0,
         1 => -1.0,
         _ => 0.0,
@@ -42,7 +42,7 @@ fn factor(stiffness: &[Vec<f64>], most: usize) -> Result<BodyFactor, QpStatus> {
         stabilisation: None,
         contact: &none,
         places: (0..SIZE as u32).collect(),
-        is_loose: false,
+        has_rigid_modes: false,
         most_flops: f64::INFINITY,
     };
     BodyFactor::stable(&matrices, most, &mut Workspace::new())

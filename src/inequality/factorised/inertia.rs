@@ -31,7 +31,7 @@ const FIRST_SHIFT: f64 = 1e-6;
 const GROWTH: f64 = 8.0;
 /// Above this no body is.
 const MOST_SHIFT: f64 = 1e4;
-/// Steps of inverse iteration behind the one at which the sign of the least eigenvalue is
+/// Steps of inverse iteration after the one at which the sign of the least eigenvalue is
 /// seen.
 const STEPS: usize = 4;
 /// Steps in all.
@@ -75,7 +75,16 @@ pub fn inertia(
     }
     // What counts as the sign of the least eigenvalue, over the diagonal.
     let bound = if unstable > 0 { 0.0 } else { f64::INFINITY };
-    let motion = softest(&system, (&factor, shift, bound), start, work);
+    let motion = softest(
+        &system,
+        &Shifted {
+            factor,
+            shift,
+            bound,
+        },
+        start,
+        work,
+    );
     Ok(Inertia {
         unstable,
         led_back,
@@ -83,14 +92,16 @@ pub fn inertia(
     })
 }
 
-/// The motion of the least eigenvalue, which is below `bound`, by inverse iteration with a
-/// factor whose eigenvalues, moved by `shift`, are all above zero.
-fn softest(
-    system: &System,
-    (factor, shift, bound): (&SparseIndefinite, f64, f64),
-    start: &[f64],
-    work: &mut Workspace,
-) -> Vec<f64> {
+/// A factor whose eigenvalues, moved by a shift, are all above zero.
+struct Shifted {
+    factor: SparseIndefinite,
+    shift: f64,
+    /// What the least eigenvalue without the shift is below.
+    bound: f64,
+}
+
+/// The motion of the least eigenvalue by inverse iteration.
+fn softest(system: &System, shifted: &Shifted, start: &[f64], work: &mut Workspace) -> Vec<f64> {
     let mut x = vec![0.0; system.scale.len()];
     let scaled = start.iter().zip(&system.scale);
     x.iter_mut().zip(scaled).for_each(|(x, (s, d))| *x = s / d);
@@ -103,9 +114,9 @@ fn softest(
         }
         scale(&mut x, 1.0 / length);
         let before = x.clone();
-        factor.solve(&mut x, work);
-        let eigenvalue = dot(&before, &x).recip() - shift;
-        left -= usize::from(eigenvalue < bound);
+        shifted.factor.solve(&mut x, work);
+        let eigenvalue = dot(&before, &x).recip() - shifted.shift;
+        left -= usize::from(eigenvalue < shifted.bound);
     }
     x.truncate(system.displacements);
     x.iter_mut().zip(&system.scale).for_each(|(x, d)| *x *= d);

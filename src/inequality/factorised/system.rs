@@ -11,7 +11,7 @@
 //! stiffness of 1 / e only, which has to outweigh what couples them to the rest: under
 //! pressures far above the shear modulus entries beside the diagonal of A are that much
 //! larger than those on it. A constraint comes
-//! behind all displacements that it sees, so that its pivot is a Schur complement and no
+//! after all displacements that it sees, so that its pivot is a Schur complement and no
 //! zero. Rows of C that are no constraints on a face are identities: the pattern is found
 //! once for all faces.
 
@@ -26,7 +26,7 @@ const SHIFT: f64 = 1e-9;
 /// Largest softening of the rest by that shift.
 const SOFTENING: f64 = 1e-3;
 /// Shift of displacements where rigid modes are free.
-const LOOSE_SHIFT: f64 = 1e-6;
+const RIGID_MODE_SHIFT: f64 = 1e-6;
 
 /// A problem, stored.
 pub struct Matrices<'a> {
@@ -42,7 +42,7 @@ pub struct Matrices<'a> {
     /// may share one `[displacement]`.
     pub places: Vec<u32>,
     /// Whether rigid modes are held by contact alone.
-    pub is_loose: bool,
+    pub has_rigid_modes: bool,
     /// Floating-point operations of the largest factor that is made.
     pub most_flops: f64,
 }
@@ -178,19 +178,18 @@ fn lower_columns(matrices: &Matrices<'_>, scale: &[f64]) -> LowerColumns {
         },
         scale,
     };
-    let shift = if matrices.is_loose { LOOSE_SHIFT } else { 0.0 };
+    let shift = if matrices.has_rigid_modes {
+        RIGID_MODE_SHIFT
+    } else {
+        0.0
+    };
     let yielding = yielding(&matrices.stiffness, scale);
     for column in 0..unknowns {
-        columns.push(column, 0, matrices.stiffness.row(column), (1.0, shift));
+        columns.push(0, matrices.stiffness.row(column), (1.0, shift));
         if let Some(coupling) = &transposed {
-            columns.push(column, unknowns, coupling.row(column), (1.0, 0.0));
+            columns.push(unknowns, coupling.row(column), (1.0, 0.0));
         }
-        columns.push(
-            column,
-            unknowns + equalities,
-            contact.row(column),
-            (1.0, 0.0),
-        );
+        columns.push(unknowns + equalities, contact.row(column), (1.0, 0.0));
         columns.finish();
     }
     for row in 0..equalities {
@@ -199,17 +198,12 @@ fn lower_columns(matrices: &Matrices<'_>, scale: &[f64]) -> LowerColumns {
             .stabilisation
             .map_or((&own[..], &[0.0][..]), |s| s.row(row));
         let entries = (entries.0, entries.1);
-        columns.push_square(unknowns + row, unknowns, entries, (-1.0, -yielding));
+        columns.push_square(unknowns, entries, (-1.0, -yielding));
         columns.finish();
     }
     for column in unknowns + equalities..scale.len() {
         let own = [(column - unknowns - equalities) as u32];
-        columns.push_square(
-            column,
-            unknowns + equalities,
-            (&own, &[0.0]),
-            (1.0, -yielding),
-        );
+        columns.push_square(unknowns + equalities, (&own, &[0.0]), (1.0, -yielding));
         columns.finish();
     }
     columns.matrix
@@ -234,32 +228,32 @@ struct Columns<'a> {
 }
 
 impl Columns<'_> {
+    /// The column under construction.
+    fn column(&self) -> usize {
+        self.matrix.offsets.len() - 1
+    }
+
     /// Adds the entries of a symmetric block's row from the diagonal on.
     fn push_square(
         &mut self,
-        column: usize,
         first: usize,
         (rows, values): (&[u32], &[f64]),
         (factor, shift): (f64, f64),
     ) {
+        let column = self.column();
         let start = rows.partition_point(|&row| first + (row as usize) < column);
-        self.push(
-            column,
-            first,
-            (&rows[start..], &values[start..]),
-            (factor, shift),
-        );
+        self.push(first, (&rows[start..], &values[start..]), (factor, shift));
     }
 
     /// Adds `factor` times entries of rows that begin at `first`, and `shift` on the
     /// diagonal.
     fn push(
         &mut self,
-        column: usize,
         first: usize,
         (rows, values): (&[u32], &[f64]),
         (factor, shift): (f64, f64),
     ) {
+        let column = self.column();
         for (&row, &value) in rows.iter().zip(values) {
             let row = first + row as usize;
             if row < column {
@@ -278,7 +272,7 @@ impl Columns<'_> {
     }
 }
 
-/// The elimination order: displacements by their places, each constraint right behind the
+/// The elimination order: displacements by their places, each constraint right after the
 /// last one that it sees.
 fn order(matrices: &Matrices<'_>) -> Vec<u32> {
     let last = |(columns, _): (&[u32], &[f64])| {

@@ -13,7 +13,7 @@ fn unstable(contact: &SparseRows) -> Matrices<'_> {
         stabilisation: None,
         contact,
         places: vec![0, 1],
-        is_loose: false,
+        has_rigid_modes: false,
         most_flops: f64::INFINITY,
     }
 }

@@ -318,7 +318,7 @@ impl Faces<'_, '_> {
                 .preconditioner(problem.stiffness, problem.displacement, &blocks);
         let operator = SaddleOperator {
             stiffness: problem.stiffness,
-            released: match &restricted.augmented {
+            geometric: match &restricted.augmented {
                 Some(augmented) => Some(augmented as &dyn LinearOperator),
                 None => problem.curvature.map(|c| c as &dyn LinearOperator),
             },

@@ -14,7 +14,7 @@ use crate::saddle::Status;
 /// Faces in a row that may be solved already; some are usual where tractions turn.
 const MOST_IDLE: u32 = 200;
 
-/// Changes of sides with friction behind which faces are solved to their end; more of those
+/// Changes of sides with friction after which faces are solved to their end; more of those
 /// that are not lead about without end, where many points carry little.
 const STRAY: u32 = 8;
 /// Changes of sides at first that follow from the metric where the residuals would change many:
@@ -25,9 +25,9 @@ const TURNING: f64 = 0.01;
 /// Share of what is wrong that a face with friction is to leave; where it leaves more the next
 /// one follows by the other rule.
 const WORTHWHILE: f64 = 0.5;
-/// Faces with friction that come back, solved to their end, behind which it is a cycle.
+/// Faces with friction that come back, solved to their end, after which it is a cycle.
 const MOST_RETURNS: u32 = 3;
-/// Share of the targets to which faces are solved behind those: what a solve leaves turns and
+/// Share of the targets to which faces are solved after those: what a solve leaves turns and
 /// opens points that carry no more.
 const SHARP: f64 = 0.03;
 /// Least such share where a face is solved further because its sides are right.

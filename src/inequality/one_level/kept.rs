@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Only the body's part is kept between two programs; contact is put on for the face at
-//! work and taken off behind it. Directions of an augmented system belong to its face and
+//! work and taken off after it. Directions of an augmented system belong to its face and
 //! end with it. Cost: one product with each coupling a direction, no
 //! product with A.
 
@@ -70,7 +70,7 @@ impl Faces<'_, '_> {
         if self.problem.augmentation.is_some() {
             run.directions.clear(run.work);
         }
-        if self.is_rough() {
+        if self.is_frictional() {
             run.directions.keep_last(KEPT_BETWEEN_FACES, run.work);
         }
     }

@@ -26,7 +26,7 @@ pub(super) struct FaceMonitor<'a, 'b> {
     pub(super) displacement: usize,
     /// Number of equality unknowns, which follow them.
     pub(super) equality: usize,
-    /// Moduli that weigh the gaps behind these; empty where all are one.
+    /// Moduli that weigh the gaps after these; empty where all are one.
     pub(super) moduli: &'a [f64],
     /// What the residual of the forces was augmented by; none where nothing was.
     pub(super) augmented: Option<&'a Augmented<'a>>,
@@ -38,7 +38,7 @@ pub(super) struct FaceMonitor<'a, 'b> {
     pub(super) largest: QpScales,
     /// When the face is reviewed.
     pub(super) review: Review,
-    /// Reduction of the residual behind which it is, where not at the end.
+    /// Reduction of the residual after which it is, where not at the end.
     pub(super) reduction: f64,
     /// Largest relative norm at the start of the face, which a review while reducing is
     /// measured against.

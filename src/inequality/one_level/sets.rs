@@ -110,7 +110,7 @@ impl Faces<'_, '_> {
     }
 
     /// Whether thresholds of friction follow from pressures.
-    pub(super) fn is_rough(&self) -> bool {
+    pub(super) fn is_frictional(&self) -> bool {
         dense_cone::cones(&self.blocks.contact.set).is_some()
     }
 

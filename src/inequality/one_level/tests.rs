@@ -64,7 +64,7 @@ fn the_curvature_term_is_taken_off_the_stiffness() {
 }
 
 /// Two pressures and their tractions under Coulomb's law.
-fn rough() -> AdmissibleSet<'static> {
+fn frictional() -> AdmissibleSet<'static> {
     AdmissibleSet::Cones(Cones {
         normals: 2,
         partners: &[0, 1],
@@ -79,7 +79,7 @@ fn terms_that_vanish_on_contact_leave_the_solution_with_friction_as_it_is() {
     for seed in 0..20 {
         let problem = Problem::new(seed);
         let matrices = problem.matrices();
-        let blocks = [matrices.contact(rough())];
+        let blocks = [matrices.contact(frictional())];
         let noise = reproducible_noise(CONTACTS * SIZE);
         let terms: Vec<Vec<f64>> = noise
             .chunks_exact(SIZE)

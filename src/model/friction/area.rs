@@ -65,8 +65,8 @@ pub(super) fn change_of_area(
         };
         surfaces.push((&interface.surface, own.map(traction).collect()));
     }
-    let released = traction_change(&body, &surfaces, held);
-    [stored(rows, state.displacement.len()), released]
+    let geometric = traction_change(&body, &surfaces, held);
+    [stored(rows, state.displacement.len()), geometric]
 }
 
 /// x - Q x0 as coefficients of the hierarchical functions `[displacement unknowns]`, Q the
@@ -76,7 +76,7 @@ fn slip_field(
     start: &SlipStart,
     obstacle: usize,
 ) -> Vec<f64> {
-    let length = model.plan.units.length;
+    let length = model.plan.problem.units.length;
     let [from, to]: [Vec<Moving>; 2] =
         [&start.drive, &state.drive].map(|drive| model.interfaces.obstacles(drive, length));
     let [before, after] = [from[obstacle].motion(), to[obstacle].motion()];

@@ -31,7 +31,7 @@ pub(super) fn guided<'a>(guides: impl Iterator<Item = &'a ContactSurface>) -> Gu
     guided
 }
 
-/// The points of one rough obstacle.
+/// The points of one frictional obstacle.
 pub(super) fn points_of(
     (plan, guided): (&Plan, &Guided),
     c: usize,
@@ -48,15 +48,19 @@ pub(super) fn points_of(
     let normals = gathered(surface, &outward(surface));
     let is_held = |node: u32, i: usize| {
         let unknown = node * c as u32 + i as u32;
-        let known = plan.held.binary_search_by_key(&unknown, |(held, _)| *held);
+        let known = plan
+            .problem
+            .held
+            .binary_search_by_key(&unknown, |(held, _)| *held);
         i < c && known.is_ok()
     };
     let held = |node: u32| {
         let components = (0..3).filter(|&i| is_held(node, i)).map(unit);
         let planes = plan
+            .problem
             .held_nodes
             .binary_search_by_key(&node, |one| one.held.node);
-        let planes = planes.map_or(&[][..], |place| &plan.held_nodes[place].planes);
+        let planes = planes.map_or(&[][..], |place| &plan.problem.held_nodes[place].planes);
         let guided = guided.get(&node).into_iter().flatten();
         let normals = planes
             .iter()

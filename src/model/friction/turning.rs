@@ -7,7 +7,7 @@
 //!
 //! H the curvature of the obstacle: without these terms programs converge linearly, by what a
 //! point travels over the obstacle's radius. The derivative of a tangent by its normal is a
-//! central difference of the frame. Cost: three linearisations of a curved rough obstacle.
+//! central difference of the frame. Cost: three linearisations of a curved frictional obstacle.
 
 use super::frame::{Frame, frame};
 use super::points::Point;
@@ -36,7 +36,7 @@ pub(crate) struct Turning {
     /// To the rows of -ds/du `[multipliers, displacement]`.
     pub(crate) rows: SparseRows,
     /// What tractions take off the stiffness `[displacement, displacement]`.
-    pub(crate) released: SparseRows,
+    pub(crate) geometric: SparseRows,
 }
 
 /// An obstacle whose normal's component stands for the distance, and a row of its curvature for
@@ -73,10 +73,10 @@ impl Friction {
     pub(crate) fn turning(&self, model: &Model<'_>, state: &State) -> Option<Turning> {
         if model.is_rubber() {
             let turning = self.turning_of_tangents(model, state);
-            let [rows, released] = area::change_of_area(self, (model, state));
+            let [rows, geometric] = area::change_of_area(self, (model, state));
             return Some(Turning {
                 rows: turning.rows.plus(&rows),
-                released: turning.released.plus(&released),
+                geometric: turning.geometric.plus(&geometric),
             });
         }
         let is_flat = self.is_on_flats(model, state);
@@ -96,7 +96,7 @@ impl Friction {
             components: model.prepared.space.components,
             held: &model.prepared.is_held,
             rows: vec![Vec::new(); state.multiplier.len()],
-            released: vec![Vec::new(); state.displacement.len()],
+            geometric: vec![Vec::new(); state.displacement.len()],
         };
         let body = model.deformed(&state.displacement);
         let mut first = 0;
@@ -104,7 +104,7 @@ impl Friction {
             let Some(obstacle) = met.obstacle() else {
                 continue;
             };
-            if !model.plan.obstacles[index].is_rough {
+            if !model.plan.problem.obstacles[index].is_frictional {
                 continue;
             }
             let own = first..first + interface.multipliers.len();
@@ -131,12 +131,13 @@ impl Friction {
         turning.finish()
     }
 
-    /// Whether no rough obstacle is curved.
+    /// Whether no frictional obstacle is curved.
     fn is_on_flats(&self, model: &Model<'_>, state: &State) -> bool {
         let mut placed = model.placed(&state.drive).enumerate();
         placed.all(|(index, (_, met))| {
-            met.obstacle()
-                .is_none_or(|obstacle| obstacle.is_flat() || !model.plan.obstacles[index].is_rough)
+            met.obstacle().is_none_or(|obstacle| {
+                obstacle.is_flat() || !model.plan.problem.obstacles[index].is_frictional
+            })
         })
     }
 }
@@ -150,7 +151,7 @@ struct Parts<'a> {
     /// Whether a displacement unknown is held `[unknowns]`.
     held: &'a [bool],
     rows: Vec<Row>,
-    released: Vec<Row>,
+    geometric: Vec<Row>,
 }
 
 impl Parts<'_> {
@@ -182,21 +183,21 @@ impl Parts<'_> {
                     let own = change
                         .iter()
                         .map(|&(column, entry)| (column, value * entry));
-                    self.released[unknown].extend(own);
+                    self.geometric[unknown].extend(own);
                 }
             }
         }
     }
 
     fn finish(self) -> Turning {
-        let unknowns = self.released.len();
-        let [rows, released] = [self.rows, self.released].map(|rows| {
+        let unknowns = self.geometric.len();
+        let [rows, geometric] = [self.rows, self.geometric].map(|rows| {
             let mut builder = SparseRowsBuilder::new(unknowns);
             rows.into_iter()
                 .for_each(|mut row| builder.push_row(&mut row));
             builder.finish()
         });
-        Turning { rows, released }
+        Turning { rows, geometric }
     }
 }
 
@@ -334,7 +335,7 @@ mod tests {
             .map(|(x, held)| if *held { 0.0 } else { *x })
             .collect();
         state.displacement = motion.iter().map(|x| 0.02 * x).collect();
-        let friction = interfaces.friction.as_ref().expect("a rough tool");
+        let friction = interfaces.friction.as_ref().expect("a frictional tool");
         let own = friction.first..friction.first + friction.size();
         state.multiplier[own.clone()].copy_from_slice(&rest[load.len()..][..own.len()]);
 
@@ -370,7 +371,7 @@ mod tests {
         let exact = slope(&behind.gap[own.clone()], &ahead.gap[own.clone()]);
         assert!(error(&slips[own], &exact) < 1e-7 * size(&exact));
         let mut taken = vec![0.0; load.len()];
-        turning.released.apply(&along, &mut taken, work);
+        turning.geometric.apply(&along, &mut taken, work);
         let exact = slope(&pushed(&behind), &pushed(&ahead));
         assert!(size(&exact) > 0.0);
         assert!(error(&taken, &exact) < 1e-6 * size(&exact));

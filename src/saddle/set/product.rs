@@ -15,14 +15,14 @@ pub struct SetPart<'a> {
     pub set: AdmissibleSet<'a>,
 }
 
-/// Parts one behind the other; their sizes add up to the vector's.
+/// Parts one after the other; their sizes add up to the vector's.
 #[derive(Clone, Copy, Debug)]
 pub enum ProductSet<'a> {
     /// One set for all multipliers.
     Uniform(SetPart<'a>),
-    /// Several sets one behind the other, in the order of the multipliers.
+    /// Several sets one after the other, in the order of the multipliers.
     Parts(&'a [SetPart<'a>]),
-    /// Two sets one behind the other.
+    /// Two sets one after the other.
     Pair([SetPart<'a>; 2]),
 }
 

@@ -26,7 +26,7 @@ pub(crate) fn build(
                 surface: item.surface,
                 friction: item.friction,
                 tresca: item.tresca,
-                is_rough: item.friction > 0.0 || item.tresca.is_some(),
+                is_frictional: item.friction > 0.0 || item.tresca.is_some(),
             }),
             Err(error) => misshapen(item, &error, &mut faults),
         }

@@ -134,7 +134,7 @@ pub(crate) struct ResolvedObstacle {
     /// Bound of the traction in place of Coulomb's.
     pub(crate) tresca: Option<f64>,
     /// Whether there may be friction at any time.
-    pub(crate) is_rough: bool,
+    pub(crate) is_frictional: bool,
 }
 
 /// A point that each result reports.

@@ -49,9 +49,9 @@ pub(crate) fn check(
         guided.iter_mut().for_each(hold_by_hoops);
     }
     let free = free_modes(moments, names);
-    let loose = free_modes(guided, names);
-    if !loose.is_empty() && scene.obstacles.is_empty() {
-        let list = loose.join(", ");
+    let unguided = free_modes(guided, names);
+    if !unguided.is_empty() && scene.obstacles.is_empty() {
+        let list = unguided.join(", ");
         faults.add("support", format!("nothing holds the body against {list}"));
     }
     let has_multipliers =

@@ -59,7 +59,7 @@ impl Table {
 /// Values over a part of the body, in the caller's units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Spread {
-    /// By nodes of the space: used vertices, then edges behind them.
+    /// By nodes of the space: used vertices, then edges after them.
     pub(crate) nodes: Table,
     /// By facets, or by cells.
     pub(crate) parts: Table,

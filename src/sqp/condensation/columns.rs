@@ -226,7 +226,7 @@ mod tests {
             stabilisation: None,
             contact: &SparseRowsBuilder::new(size).finish(),
             places: (0..size as u32).collect(),
-            is_loose: false,
+            has_rigid_modes: false,
             most_flops: f64::INFINITY,
         })
         .expect("a positive definite matrix")

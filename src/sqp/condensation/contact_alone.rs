@@ -50,7 +50,7 @@ pub(crate) fn answer(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
 
 /// Whether contact is all that the increment has to tell of.
 fn is_enough(run: &Run<'_>, drive: &Drive) -> bool {
-    let is_asked = run.model.plan.settings.report == ReportScope::Contact;
+    let is_asked = run.model.plan.problem.settings.report == ReportScope::Contact;
     let is_due = !run.watch.record.step.is_multiple_of(WHOLE_EVERY);
     is_asked && is_due && serves(run, drive)
 }

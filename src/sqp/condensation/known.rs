@@ -36,7 +36,7 @@ pub(super) fn with<T>(
 /// Whether an increment under that drive is one for it.
 pub(super) fn serves(run: &Run<'_>, drive: &Drive) -> bool {
     let step = run.watch.record.step;
-    let is_due = (run.model.plan.response.from).is_some_and(|from| step >= from);
+    let is_due = (run.model.plan.decisions.response.from).is_some_and(|from| step >= from);
     is_due && drive.pushes.is_empty() && run.model.conditions.proximal.is_none()
 }
 
@@ -45,7 +45,7 @@ fn known_now(run: &mut Run<'_>) -> Known {
     let prepared = run.model.prepared;
     let of_sessions = &prepared.of_sessions;
     let unknowns = surface_unknowns(&run.model);
-    let fields = run.model.plan.response.fields;
+    let fields = run.model.plan.decisions.response.fields;
     let is_wanted = |body: &BodyResponse| body.columns.are_of(&unknowns, fields);
     if let Some(body) = of_sessions.find(is_wanted) {
         return known(body);
@@ -103,7 +103,7 @@ fn factor_of(run: &mut Run<'_>) -> Option<BodyFactor> {
         stabilisation: block.and_then(|block| block.stabilisation.as_ref()),
         contact: &no_contact,
         places: layout.places.clone(),
-        is_loose: false,
+        has_rigid_modes: false,
         most_flops: MOST_RESPONSE_FLOPS,
     };
     BodyFactor::new(&matrices).ok()

@@ -4,7 +4,7 @@
 //! l' = argmin 1/2 x.H x + (g - C G q).x over the set,   H = C G C^T,   q' = C^T l',   u' = u0 - G q'
 //! ```
 //!
-//! with gap g and coupling C at u = u0 - G q. H is made once: behind the first problem normals have
+//! with gap g and coupling C at u = u0 - G q. H is made once: after the first problem normals have
 //! hardly turned, and its error meets what pressures still change alone,
 //!
 //! ```text

@@ -57,7 +57,13 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
             internal,
             closed: &own(&closed),
         };
-        add(model, state, (interface, &places, pressures), &mut all);
+        let body = model.deformed(&state.displacement);
+        let held = &model.prepared.is_held;
+        add(
+            &mut all,
+            &places,
+            area_change(&body, &interface.surface, pressures, held),
+        );
     }
     let mass = finish(all.mass, size);
     Some(Augmentation {
@@ -115,15 +121,7 @@ fn mean_pressure(model: &Model<'_>, state: &State) -> f64 {
 }
 
 /// Adds the part of one surface to the rows of its multipliers at `places`.
-fn add(
-    model: &Model<'_>,
-    state: &State,
-    (interface, places, pressures): (&Interface, &[usize], Pressures<'_>),
-    all: &mut AreaChange,
-) {
-    let body = model.deformed(&state.displacement);
-    let held = &model.prepared.is_held;
-    let part = area_change(&body, &interface.surface, pressures, held);
+fn add(all: &mut AreaChange, places: &[usize], part: AreaChange) {
     for (&place, (rows, mass)) in places.iter().zip(part.rows.into_iter().zip(part.mass)) {
         all.rows[place].extend(rows);
         let among_all = |(own, value): (u32, f64)| (places[own as usize] as u32, value);

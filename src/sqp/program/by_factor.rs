@@ -22,7 +22,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::QuadraticProgram;
-use super::seams::seams;
+use super::contact_edges::contact_edges;
 use super::step::{Step, first_iterate, step_from};
 use crate::contact::area_change::Pressures;
 use crate::contact::curvature_where_held;
@@ -125,8 +125,10 @@ impl QuadraticProgram<'_> {
             .tangent
             .as_ref()
             .and_then(|_| curvature(&self.model, state));
-        let seams = held.as_ref().and_then(|_| seams(&self.model, state));
-        let all = [held, seams, self.released.clone()];
+        let contact_edges = held
+            .as_ref()
+            .and_then(|_| contact_edges(&self.model, state));
+        let all = [held, contact_edges, self.geometric.load.clone()];
         let taken = all.into_iter().flatten().reduce(|sum, one| sum.plus(&one));
         let all = self.matrices(taken.as_ref(), &layout, &stopped, work)?;
         let no_contact = SparseRowsBuilder::new(all.stiffness.rows()).finish();
@@ -154,8 +156,8 @@ impl QuadraticProgram<'_> {
         self.move_by_compliance(&mut iterate, run.work)?;
         let blocks = self.blocks();
         let step = self.block_step(&*self.inverse.displacement, run.work);
-        let released = self.released_by_all();
-        let problem = self.problem(released, &*self.inverse.displacement, &blocks, &*step);
+        let geometric = self.geometric.all();
+        let problem = self.problem(geometric, &*self.inverse.displacement, &blocks, &*step);
         let Run {
             state,
             learned,
@@ -228,7 +230,7 @@ impl QuadraticProgram<'_> {
         let blocks: Vec<EqualityBlock<'_>> = self.pressure().into_iter().collect();
         let operator = SaddleOperator {
             stiffness: self.stiffness(),
-            released: self.released_by_all().map(|all| all as &dyn LinearOperator),
+            geometric: self.geometric.all().map(|all| all as &dyn LinearOperator),
             blocks: &blocks,
         };
         let mut left = work.zeros(step.len());

@@ -27,8 +27,8 @@ impl QuadraticProgram<'_> {
         let stopped = || watch.stopped(counters).is_some();
         let matrices = Matrices {
             // Rigid modes are told from soft ones by a shift of its own.
-            is_loose: false,
-            ..self.matrices(self.released_by_all(), &layout, &stopped, work)?
+            has_rigid_modes: false,
+            ..self.matrices(self.geometric.all(), &layout, &stopped, work)?
         };
         let skew = self.skew();
         let problem = (&matrices, skew.as_ref());
@@ -38,9 +38,9 @@ impl QuadraticProgram<'_> {
     /// The skew part of the stiffness, of pressures on faces with a free edge; none where all
     /// loads have a potential.
     pub(crate) fn skew(&self) -> Option<SparseRows> {
-        let released = self.released_by_all()?;
-        let twice = released.transposed().plus_multiple(-1.0, released);
-        let bound = SKEW * released.largest();
+        let geometric = self.geometric.all()?;
+        let twice = geometric.transposed().plus_multiple(-1.0, geometric);
+        let bound = SKEW * geometric.largest();
         (twice.largest() > bound).then(|| twice.scaled_above(0.5, bound))
     }
 
@@ -69,7 +69,7 @@ impl QuadraticProgram<'_> {
             stabilisation: block.and_then(|block| block.stabilisation.as_ref()),
             contact: &self.now.coupling,
             places: layout.places.clone(),
-            is_loose: model.plan.is_floating(),
+            has_rigid_modes: model.plan.is_floating(),
             most_flops: MOST_FACTOR_FLOPS,
         })
     }

@@ -11,11 +11,12 @@
 
 mod augmentation;
 mod by_factor;
+mod contact_edges;
 mod factorised;
+mod geometric;
 mod inverse;
-mod loose;
 mod penalised;
-mod seams;
+mod rigid_modes;
 mod solve;
 pub(crate) mod step;
 mod stiffness;
@@ -26,21 +27,17 @@ use super::contact_metric::ContactMetric;
 use super::factored_body::FactoredBody;
 use super::run::Run;
 use super::volumes::volumes;
-use crate::contact::{Advancing, Counterpart, curvature};
 use crate::inequality::Augmentation;
 use crate::linalg::vector::norm;
-use crate::linalg::{LinearOperator, SparseRows, SymmetricMatrix, Workspace};
+use crate::linalg::{LinearOperator, SymmetricMatrix, Workspace};
 use crate::model::Model;
 use crate::model::counters::timed;
-use crate::model::drive::Drive;
 use crate::model::evaluate::Evaluation;
-use crate::model::interfaces::Interface;
-use crate::model::pressures::pressure_tangent;
-use crate::model::state::State;
 use crate::model::tangent::Tangent;
 use crate::precond::coarse_schur::CoarseSchur;
 use crate::precond::volume_modes::VolumeModes;
 use crate::prepare::{ApproximateInverse, TaylorHoodData};
+use geometric::GeometricStiffness;
 use inverse::inverse;
 pub(crate) use step::Step;
 pub(crate) use stiffness::Accuracy;
@@ -56,14 +53,10 @@ pub(crate) struct QuadraticProgram<'a> {
     /// What supports move in this program `[displacement unknowns]`; none where they
     /// stand still.
     motion: Option<Vec<f64>>,
-    /// Residuals behind the prescribed motion of the supports.
+    /// Residuals after the prescribed motion of the supports.
     now: Evaluation,
-    /// What pressures that follow the body take off its stiffness.
-    released: Option<SparseRows>,
-    /// What the curvature of the gaps takes off, with `released`.
-    curvature: Option<SparseRows>,
-    /// Rows of the gaps and slips with the turning of tangents; none where none turn.
-    turned: Option<SparseRows>,
+    /// What loads and contacts take off the stiffness.
+    geometric: GeometricStiffness,
     /// What contact pressure makes of the stiffness, cancelled where the gaps hold.
     augmentation: Option<Augmentation>,
     /// The body by a factor; none while iterations are cheaper.
@@ -100,45 +93,18 @@ impl<'a> QuadraticProgram<'a> {
         };
         *first_force = first_force.max(norm(&now.force));
         let start = std::time::Instant::now();
-        let prepared = run.model.prepared;
-        let fixed = prepared
-            .pressure
-            .as_ref()
-            .map(|block| &block.coupling as &dyn LinearOperator);
-        let divergence = tangent
-            .as_ref()
-            .map(|t| &t.coupling as &dyn LinearOperator)
-            .or(fixed);
-        let volumes = volumes(&run.model, (&inverse, divergence), run.work);
-        let coarse = coarse_schur(prepared, volumes.as_ref(), run.work);
+        let volumes = volumes_of(run, &inverse, tangent.as_ref());
+        let coarse = coarse_schur(run.model.prepared, volumes.as_ref(), run.work);
         let metric = ContactMetric::new(&run.model, &inverse, volumes, &now, run.work);
         run.counters.applications += metric.applications;
         let expected = metric.predicted_load(&now, run.state, run.work);
-        let released = released_of(&run.model, run.state);
-        let turning = (run.model.interfaces.friction.as_ref())
-            .and_then(|friction| friction.turning(&run.model, run.state))
-            .map(|mut turning| {
-                turning.rows = prepared.held.project_columns(turning.rows);
-                turning.released = prepared.held.project_matrix(turning.released);
-                turning
-            });
-        let terms = turning.as_ref().map(|turning| &turning.released);
-        let terms = [released.as_ref(), terms];
-        let curvature = curvature_of(&run.model, run.state, now.last_drive()).map(|own| {
-            terms
-                .into_iter()
-                .flatten()
-                .fold(own, |sum, term| sum.plus(term))
-        });
-        let turned = turning.map(|turning| now.coupling.plus(&turning.rows));
+        let geometric = GeometricStiffness::of(&run.model, run.state, &now);
         let augmentation = augmentation::augmentation(&run.model, run.state);
         run.counters.seconds.contact += start.elapsed().as_secs_f64();
         Self {
             model: run.model.clone(),
             force_scale: now.force_scale(*first_force).max(expected),
-            released,
-            curvature,
-            turned,
+            geometric,
             augmentation,
             factored: None,
             has_fresh_factor: false,
@@ -179,11 +145,6 @@ impl<'a> QuadraticProgram<'a> {
             None => &self.model.prepared.stiffness,
         }
     }
-
-    /// All that loads and contacts take off the stiffness.
-    fn released_by_all(&self) -> Option<&SparseRows> {
-        self.curvature.as_ref().or(self.released.as_ref())
-    }
 }
 
 /// The metric of the internal pressure of a thin body whose coarse pressures are `volumes`.
@@ -197,53 +158,14 @@ fn coarse_schur<'a>(
     is_thin.then(|| CoarseSchur::new(&block.metric, volumes, work))
 }
 
-/// What pressures that follow the body and a pull to an earlier state take off the
-/// stiffness; none where there is neither.
-fn released_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
-    let pressed = pressure_tangent(model, state);
-    match (&model.conditions.proximal, pressed) {
-        (Some(proximal), Some(pressed)) => Some(pressed.plus(&proximal.released())),
-        (Some(proximal), None) => Some(proximal.released()),
-        (None, pressed) => pressed,
-    }
-}
-
-/// Curvature of the gaps of surfaces on what they meet, under the present contact pressure.
-fn curvature_under<C: Counterpart>(
-    model: &Model<'_>,
-    state: &State,
-    met: &[(&Interface, C)],
-) -> SparseRows {
-    let pressures = met.iter();
-    let pressures = pressures.map(|(interface, _)| interface.own(&state.multiplier));
-    let pressures: Vec<_> = pressures.collect();
-    let surfaces = met.iter().zip(&pressures);
-    let surfaces = surfaces.map(|((interface, met), own)| (&interface.surface, met, &own[..]));
-    let surfaces: Vec<_> = surfaces.collect();
-    let body = model.deformed(&state.displacement);
-    curvature(&body, &surfaces, &model.prepared.is_held)
-}
-
-/// Curvature of the gaps under the present contact pressure, of tools that have moved on from
-/// `last`; none where it vanishes.
-fn curvature_of(model: &Model<'_>, state: &State, last: Option<&Drive>) -> Option<SparseRows> {
-    let under_pressure = state.multiplier.iter().any(|&l| l != 0.0);
-    if model.is_linear() || !under_pressure {
-        return None;
-    }
-    let own = match last {
-        None => {
-            let placed: Vec<_> = model.placed(&state.drive).collect();
-            curvature_under(model, state, &placed)
-        }
-        Some(last) => {
-            let placed = model.placed_from(state, last);
-            let tools = placed.iter().map(|(interface, now, before)| {
-                let before = before.as_ref();
-                (*interface, Advancing { now, before })
-            });
-            curvature_under(model, state, &tools.collect::<Vec<_>>())
-        }
-    };
-    Some(model.prepared.held.project_matrix(own))
+/// The volume modes of the metric, of the linearised divergence.
+fn volumes_of(
+    run: &mut Run<'_>,
+    inverse: &ApproximateInverse,
+    tangent: Option<&Tangent>,
+) -> Option<VolumeModes> {
+    let fixed = run.model.prepared.pressure.as_ref();
+    let fixed = fixed.map(|block| &block.coupling as &dyn LinearOperator);
+    let divergence = tangent.map(|t| &t.coupling as &dyn LinearOperator);
+    volumes(&run.model, (inverse, divergence.or(fixed)), run.work)
 }

@@ -9,14 +9,14 @@
 //! multipliers that hold. On motions without change of
 //! volume that keep all contacts it is K, and it is below what the constraints themselves add
 //! elsewhere: where K_w is positive, K is so among the motions that the constraints admit. Rigid
-//! motions that nothing resists are made stiff besides (`loose`).
+//! motions that nothing resists are made stiff besides (`rigid_modes`).
 //! `[displacement, displacement]`. Cost of a product: one of K, B, B^T, and a solve with the factor
 //! of H_A.
 
 use std::sync::Arc;
 
 use super::QuadraticProgram;
-use super::loose::Loose;
+use super::rigid_modes::RigidModes;
 use crate::inequality::Augmented;
 use crate::krylov::least_eigenvalue::{Least, LeastEigenvalue};
 use crate::linalg::vector::add_scaled;
@@ -38,7 +38,7 @@ struct Penalised<'a> {
     /// A.
     stiffness: &'a dyn LinearOperator,
     /// What loads and contacts subtract from A, but for what vanishes where the contacts hold.
-    released: Option<Box<dyn LinearOperator + 'a>>,
+    geometric: Option<Box<dyn LinearOperator + 'a>>,
     /// What is added to that to make it symmetric; none where it is.
     skew: Option<SparseRows>,
     /// Internal pressure.
@@ -48,7 +48,7 @@ struct Penalised<'a> {
     /// w.
     weight: f64,
     /// Rigid motions; none where supports hold the body.
-    loose: Option<Loose>,
+    rigid_modes: Option<RigidModes>,
 }
 
 /// A matrix of the program.
@@ -131,9 +131,9 @@ impl LinearOperator for Penalised<'_> {
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
         self.stiffness.apply(x, y, work);
-        if let Some(released) = &self.released {
+        if let Some(geometric) = &self.geometric {
             let mut product = work.scratch(y.len());
-            released.apply(x, &mut product, work);
+            geometric.apply(x, &mut product, work);
             add_scaled(y, -1.0, &product);
             work.give(product);
         }
@@ -146,8 +146,8 @@ impl LinearOperator for Penalised<'_> {
         if let Some(held) = &self.held {
             held.add(self.weight, (x, y), work);
         }
-        if let Some(loose) = &self.loose {
-            loose.add(x, y);
+        if let Some(rigid_modes) = &self.rigid_modes {
+            rigid_modes.add(x, y);
         }
     }
 
@@ -171,15 +171,15 @@ impl QuadraticProgram<'_> {
         let displacement = Counted::new(&*self.inverse.displacement);
         let mut operator = Penalised {
             stiffness: self.stiffness(),
-            released: self.released_on_contact(&run.state.status),
+            geometric: self.geometric_on_contact(&run.state.status),
             skew: self.skew(),
             volume: self.volume(weight),
             held,
             weight,
-            loose: None,
+            rigid_modes: None,
         };
         let means: (&dyn LinearOperator, &dyn Preconditioner) = (&operator, &displacement);
-        operator.loose = self.loose(run.state, means, run.work);
+        operator.rigid_modes = self.resisted_rigid_modes(run.state, means, run.work);
         let process = LeastEigenvalue {
             operator: &operator,
             preconditioner: &displacement,
@@ -201,16 +201,16 @@ impl QuadraticProgram<'_> {
 
     /// What loads and contacts subtract from A, less what vanishes where the contacts of
     /// `status` hold.
-    fn released_on_contact(&self, status: &[Status]) -> Option<Box<dyn LinearOperator + '_>> {
-        let released = self.released_by_all();
+    fn geometric_on_contact(&self, status: &[Status]) -> Option<Box<dyn LinearOperator + '_>> {
+        let geometric = self.geometric.all();
         let coupling: &dyn LinearOperator = &self.now.coupling;
         let terms = self.augmentation.as_ref();
         let on_contact =
-            terms.and_then(|terms| Augmented::new(terms, [coupling; 2], (status, &[]), released));
+            terms.and_then(|terms| Augmented::new(terms, [coupling; 2], (status, &[]), geometric));
         match on_contact {
             Some(operator) => Some(Box::new(operator)),
             None => {
-                released.map(|released| Box::new(Borrowed(released)) as Box<dyn LinearOperator>)
+                geometric.map(|geometric| Box::new(Borrowed(geometric)) as Box<dyn LinearOperator>)
             }
         }
     }
@@ -218,7 +218,7 @@ impl QuadraticProgram<'_> {
     /// What the volume resists; none in displacement form.
     fn volume(&self, weight: f64) -> Option<Volume<'_>> {
         let block = self.model.prepared.pressure.as_ref()?;
-        let dimension = self.model.plan.units.dimension;
+        let dimension = self.model.plan.problem.units.dimension;
         Some(Volume {
             pressure: self.pressure()?,
             metric: block.softened(weight, STEPS, dimension),

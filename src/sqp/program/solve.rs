@@ -10,6 +10,7 @@ use crate::inequality::{
 use crate::krylov::gcr::Directions;
 use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
+use crate::model::counters::Counters;
 use crate::plan::augmentation::VOLUMETRIC;
 use crate::precond::Counted;
 use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, UpperTriangular};
@@ -47,6 +48,14 @@ pub(super) struct Solve<'s> {
     pub(super) directions: &'s mut Directions,
 }
 
+/// Adds what a program took.
+fn count(outcome: &QpOutcome, counters: &mut Counters) {
+    counters.set_changes += outcome.set_changes;
+    counters.newton_steps += outcome.newton_steps;
+    counters.threshold_passes += outcome.threshold_passes;
+    counters.contact_products += outcome.products;
+}
+
 /// Whether a method has not solved a program that another may.
 fn is_lost(status: QpStatus) -> bool {
     matches!(
@@ -64,7 +73,7 @@ impl QuadraticProgram<'_> {
         let first = if begins_by_factor && may_take_factor {
             self.solve_by_kept_factor(run, level)
         } else {
-            Some(self.solve_with(self.released_by_all(), run, level))
+            Some(self.solve_with(self.geometric.all(), run, level))
         };
         match first {
             Some(solved) if !is_lost(solved.1.status) => solved,
@@ -83,7 +92,7 @@ impl QuadraticProgram<'_> {
         if !serves || !self.take_kept_factor(run) {
             return None;
         }
-        let solved = self.solve_with(self.released_by_all(), run, level);
+        let solved = self.solve_with(self.geometric.all(), run, level);
         let serves = !is_lost(solved.1.status) && self.serves(&solved.0, run);
         serves.then_some(solved)
     }
@@ -91,14 +100,14 @@ impl QuadraticProgram<'_> {
     /// Solves the program by the method of the plan or the factor in use; without the curvature of
     /// the gaps where it fails or the step has no positive stiffness with it.
     fn solve_as_planned(&self, run: &mut Run<'_>, level: f64) -> (Step, QpOutcome) {
-        if let Some(curvature) = &self.curvature {
+        if let Some(curvature) = &self.geometric.with_contact {
             let solved = self.solve_with(Some(curvature), run, level);
             let failed = matches!(solved.1.status, QpStatus::Krylov(_));
             if !failed && self.serves(&solved.0, run) {
                 return solved;
             }
         }
-        self.solve_with(self.released.as_ref(), run, level)
+        self.solve_with(self.geometric.load.as_ref(), run, level)
     }
 
     /// Solves the program by the factor of its body. With friction, where the sides do not settle,
@@ -107,7 +116,7 @@ impl QuadraticProgram<'_> {
         if self.now.friction.is_none() {
             return self.solve_as_planned(run, level);
         }
-        let (step, mut outcome) = self.solve_with(self.released_by_all(), run, level);
+        let (step, mut outcome) = self.solve_with(self.geometric.all(), run, level);
         if !is_lost(outcome.status) {
             return (step, outcome);
         }
@@ -147,11 +156,11 @@ impl QuadraticProgram<'_> {
     /// energy that a step could lower, and where forces balance a step is about gaps and volumes,
     /// along which the stiffness of a stable body may have either sign.
     fn serves(&self, step: &Step, run: &mut Run<'_>) -> bool {
-        let is_rough = self.now.friction.is_some();
+        let is_frictional = self.now.friction.is_some();
         let is_balanced =
             norm(&self.now.force) <= self.model.conditions.tolerance * self.force_scale;
-        let is_asked = !is_rough && !is_balanced;
-        let curvature = self.curvature.as_ref().filter(|_| is_asked);
+        let is_asked = !is_frictional && !is_balanced;
+        let curvature = self.geometric.with_contact.as_ref().filter(|_| is_asked);
         curvature.is_none_or(|curvature| {
             self.has_positive_stiffness(curvature, &step.displacement, run.work)
         })
@@ -165,64 +174,59 @@ impl QuadraticProgram<'_> {
         run: &mut Run<'_>,
         level: f64,
     ) -> (Step, QpOutcome) {
-        let Run {
-            state,
-            learned,
-            watch,
-            counters,
-            work,
-            ..
-        } = run;
         if self.tangent.is_some() {
             // Products with another tangent.
-            learned.directions.clear(work);
+            run.learned.directions.clear(run.work);
         }
         let targets = QpTargets {
             force_scale: self.force_scale,
             level,
             multiplier_error: self.model.is_rubber().then_some(PRESSURE_ERROR),
         };
-        let mut scales = state.scales;
-        let mut iterate = first_iterate(state, &self.now, self.motion.as_deref());
+        let mut scales = run.state.scales;
+        let mut iterate = self.start_from(curvature, run);
+        let krylov = std::time::Instant::now();
+        let displacement = Counted::new(&*self.inverse.displacement);
+        let mut track = Track {
+            before: run.counters.applications,
+            targets,
+            displacement: &displacement,
+            solutions: self.factored.as_ref().map(|body| &body.solutions),
+            watch: &mut run.watch,
+            counters: run.counters,
+        };
+        let solve = Solve {
+            iterate: &mut iterate,
+            targets,
+            scales: &mut scales,
+            directions: &mut run.learned.directions,
+        };
+        let outcome = self.run_method(curvature, solve, &mut track, run.work);
+        track.count();
+        run.counters.seconds.krylov += krylov.elapsed().as_secs_f64();
+        count(&outcome, run.counters);
+        run.state.scales = scales;
+        (step_from(iterate, run.state), outcome)
+    }
+
+    /// Where the method begins: at the state, or at what an exact factor makes of it.
+    fn start_from(&self, curvature: Option<&SparseRows>, run: &mut Run<'_>) -> QpIterate {
+        let mut iterate = first_iterate(run.state, &self.now, self.motion.as_deref());
         self.leave_out_advance(curvature, &mut iterate.force);
         if let Some(body) = &self.factored {
             body.begin();
         }
         if self.has_exact_factor() {
             // Where that has no solution the method begins from the state.
-            let _ = self.move_by_compliance(&mut iterate, work);
+            let _ = self.move_by_compliance(&mut iterate, run.work);
         }
-        let krylov = std::time::Instant::now();
-        let displacement = Counted::new(&*self.inverse.displacement);
-        let mut track = Track {
-            before: counters.applications,
-            targets,
-            displacement: &displacement,
-            solutions: self.factored.as_ref().map(|body| &body.solutions),
-            watch,
-            counters,
-        };
-        let solve = Solve {
-            iterate: &mut iterate,
-            targets,
-            scales: &mut scales,
-            directions: &mut learned.directions,
-        };
-        let outcome = self.run_method(curvature, solve, &mut track, work);
-        track.count();
-        counters.seconds.krylov += krylov.elapsed().as_secs_f64();
-        counters.set_changes += outcome.set_changes;
-        counters.newton_steps += outcome.newton_steps;
-        counters.threshold_passes += outcome.threshold_passes;
-        counters.contact_products += outcome.products;
-        state.scales = scales;
-        (step_from(iterate, state), outcome)
+        iterate
     }
 
     /// Takes off the force what the whole curvature of the gaps compensates, where that is left
     /// out.
     fn leave_out_advance(&self, curvature: Option<&SparseRows>, force: &mut [f64]) {
-        let is_whole = match (curvature, &self.curvature) {
+        let is_whole = match (curvature, &self.geometric.with_contact) {
             (Some(used), Some(whole)) => std::ptr::eq(used, whole),
             (_, whole) => whole.is_none(),
         };
@@ -241,7 +245,7 @@ impl QuadraticProgram<'_> {
         work: &mut Workspace,
     ) -> QpOutcome {
         let displacement = track.displacement;
-        let guided = self.model.plan.guided_multipliers;
+        let guided = self.model.plan.problem.guided_multipliers;
         let pressure = self.pressure();
         let linear = chooser::linear(self.model.plan);
         match linear.filter(|_| self.factored.is_none()) {
@@ -329,7 +333,7 @@ impl QuadraticProgram<'_> {
                 constraint: &self.now.constraint,
             };
             let comparisons = plan.comparisons.as_ref()?;
-            comparisons.block_step(plan.saddle.method, &about, work)
+            comparisons.block_step(plan.decisions.saddle.method, &about, work)
         });
         other.unwrap_or_else(|| {
             let volume = match self.tangent {
@@ -367,7 +371,7 @@ impl QuadraticProgram<'_> {
 
     /// Rows of the gaps and slips.
     pub(super) fn contact_rows(&self) -> &SparseRows {
-        self.turned.as_ref().unwrap_or(&self.now.coupling)
+        self.geometric.rows.as_ref().unwrap_or(&self.now.coupling)
     }
 
     /// Contact pressure of all obstacles.

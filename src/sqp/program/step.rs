@@ -19,7 +19,7 @@ pub(crate) struct Step {
     pressure: Vec<f64>,
     /// New multipliers minus old ones `[multipliers]`.
     multiplier: Vec<f64>,
-    /// What each multiplier does behind the step `[multipliers]`.
+    /// What each multiplier does after the step `[multipliers]`.
     status: Vec<Status>,
 }
 
@@ -34,7 +34,7 @@ impl Step {
     }
 }
 
-/// The iterate that a program starts from: the prescribed motion, the residuals behind
+/// The iterate that a program starts from: the prescribed motion, the residuals after
 /// it, and the multipliers of the state.
 pub(crate) fn first_iterate(state: &State, now: &Evaluation, motion: Option<&[f64]>) -> QpIterate {
     let still = || vec![0.0; state.displacement.len()];

@@ -58,7 +58,7 @@ impl QuadraticProgram<'_> {
         let pressure = self.pressure();
         let terms = Terms {
             stiffness: self.stiffness(),
-            curvature: self.released_by_all(),
+            curvature: self.geometric.all(),
             joint: pressure.as_ref().and_then(|pressure| pressure.joint),
             augmentation: self.augmentation.as_ref(),
         };
@@ -144,7 +144,7 @@ impl QuadraticProgram<'_> {
     /// x.(A - what is taken off) x, and what the volume resists where it can change.
     pub(crate) fn curvature_along(&self, x: &[f64], work: &mut Workspace) -> f64 {
         let stiff = along(self.stiffness(), x, work) + self.volume_along(x, work);
-        match self.released_by_all() {
+        match self.geometric.all() {
             Some(released_by_all) => stiff - along(released_by_all, x, work),
             None => stiff,
         }
@@ -157,7 +157,7 @@ impl QuadraticProgram<'_> {
         let (Some(block), Some(pressure)) = (block, self.pressure()) else {
             return 0.0;
         };
-        let metric = block.softened(STIFFEST, EXACT, self.model.plan.units.dimension);
+        let metric = block.softened(STIFFEST, EXACT, self.model.plan.problem.units.dimension);
         let mut change = vec![0.0; pressure.rows.rows()];
         pressure.rows.apply(x, &mut change, work);
         let mut resisting = vec![0.0; change.len()];

@@ -183,9 +183,10 @@ impl Body {
             return if x < 0.5 { "left" } else { "right" };
         }
         let is_second = has(Form::Layer, (0.25..0.75).contains(&z));
-        match is_second || has(Form::Ball, radius < 0.3) {
-            true => "inclusion",
-            false => "body",
+        if is_second || has(Form::Ball, radius < 0.3) {
+            "inclusion"
+        } else {
+            "body"
         }
     }
 

@@ -69,9 +69,10 @@ fn said(found: &Finding) -> String {
     });
     let warnings = found.warnings.join(", ");
     parts.extend(Some(format!("warns: {warnings}")).filter(|_| !warnings.is_empty()));
-    match parts.is_empty() {
-        true => NOTHING.to_owned(),
-        false => parts.join("; ").replace('_', " "),
+    if parts.is_empty() {
+        NOTHING.to_owned()
+    } else {
+        parts.join("; ").replace('_', " ")
     }
 }
 
@@ -80,9 +81,10 @@ fn others(found: &Finding) -> String {
     let peers = peer::peers().unwrap_or_default();
     let of_row = peers.iter().filter(|peer| peer.row == found.trial.id);
     let told: Vec<String> = of_row.map(|peer| one(found, peer)).collect();
-    match told.is_empty() {
-        true => "not run".to_owned(),
-        false => told.join("; "),
+    if told.is_empty() {
+        "not run".to_owned()
+    } else {
+        told.join("; ")
     }
 }
 

@@ -52,16 +52,20 @@ pub(super) fn of(
         Expected::Warning(_) if !is_converged(outcome) => (Verdict::Failed, None),
         Expected::Warning(kinds) | Expected::Said(kinds) => {
             let said = lines.warnings().iter().any(|kind| kinds.contains(kind));
-            let unsaid = match is_converged(outcome) {
-                true => Verdict::Wrong,
-                false => Verdict::Failed,
+            let unsaid = if is_converged(outcome) {
+                Verdict::Wrong
+            } else {
+                Verdict::Failed
             };
             (if said { Verdict::Right } else { unsaid }, None)
         }
-        Expected::Stability(verdict) => match is_converged(outcome) {
-            true => (Verdict::if_so(lines.word("stability") == verdict), None),
-            false => (Verdict::Failed, None),
-        },
+        Expected::Stability(verdict) => {
+            if is_converged(outcome) {
+                (Verdict::if_so(lines.word("stability") == verdict), None)
+            } else {
+                (Verdict::Failed, None)
+            }
+        }
         Expected::Refusal => (Verdict::if_so(matches!(outcome, Outcome::Refused(_))), None),
     }
 }
@@ -71,9 +75,10 @@ fn is_converged(outcome: &Outcome) -> bool {
 }
 
 fn unjudged(outcome: &Outcome) -> Verdict {
-    match is_converged(outcome) {
-        true => Verdict::Unjudged,
-        false => Verdict::Failed,
+    if is_converged(outcome) {
+        Verdict::Unjudged
+    } else {
+        Verdict::Failed
     }
 }
 

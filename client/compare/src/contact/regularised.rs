@@ -234,9 +234,12 @@ impl<'a> Points<'a> {
     fn without_friction<'r>(&'r self, radii: &'r [f64]) -> Vec<SetPart<'r>> {
         let (cones, parts): (Cones<'r>, _) = (self.cones, self.set.parts().iter());
         parts
-            .flat_map(|part| match matches!(part.set, AdmissibleSet::Cones(_)) {
-                true => cones.with_given(radii).to_vec(),
-                false => vec![*part],
+            .flat_map(|part| {
+                if matches!(part.set, AdmissibleSet::Cones(_)) {
+                    cones.with_given(radii).to_vec()
+                } else {
+                    vec![*part]
+                }
             })
             .collect()
     }

@@ -74,9 +74,12 @@ impl ThresholdIteration<'_> {
         (cones, radii, set): (Cones<'_>, &[f64], ProductSet<'_>),
     ) -> QpOutcome {
         let parts: Vec<SetPart<'_>> = (set.parts().iter())
-            .flat_map(|part| match matches!(part.set, AdmissibleSet::Cones(_)) {
-                true => cones.with_given(radii).to_vec(),
-                false => vec![*part],
+            .flat_map(|part| {
+                if matches!(part.set, AdmissibleSet::Cones(_)) {
+                    cones.with_given(radii).to_vec()
+                } else {
+                    vec![*part]
+                }
             })
             .collect();
         let mut blocks: Vec<MultiplierBlock<'_>> = self.problem.blocks.to_vec();

@@ -80,16 +80,18 @@ fn ratio(
     let mut q = work.zeros(constraint.len());
     block.metric.apply(&residual, &mut q, work);
     let metric = dot(&q, &residual);
-    let ratio = match metric > 0.0 {
-        true => metric / schur_product(displacement, block, &q, &mut u, work),
-        false => 1.0,
+    let ratio = if metric > 0.0 {
+        metric / schur_product(displacement, block, &q, &mut u, work)
+    } else {
+        1.0
     };
     for vector in [u, residual, q] {
         work.give(vector);
     }
-    match ratio.is_finite() && ratio > 0.0 {
-        true => ratio,
-        false => 1.0,
+    if ratio.is_finite() && ratio > 0.0 {
+        ratio
+    } else {
+        1.0
     }
 }
 

@@ -207,9 +207,10 @@ impl Uzawa<'_> {
 /// The outcome where a curvature or product that must be positive is not: a number that
 /// is not finite is told apart from an indefinite operator.
 fn not_positive(curvature: f64, product: f64) -> Outcome {
-    match curvature.is_finite() && product.is_finite() {
-        true => Outcome::Indefinite,
-        false => Outcome::NotFinite,
+    if curvature.is_finite() && product.is_finite() {
+        Outcome::Indefinite
+    } else {
+        Outcome::NotFinite
     }
 }
 
@@ -227,9 +228,10 @@ struct Inner<'a> {
 impl Monitor for Inner<'_> {
     fn judge(&mut self, residual: &[f64]) -> Verdict {
         self.is_cancelled = self.outer.poll() == Verdict::Stop;
-        match self.is_cancelled || norm(residual) <= self.bound {
-            true => Verdict::Stop,
-            false => Verdict::Continue,
+        if self.is_cancelled || norm(residual) <= self.bound {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
         }
     }
 }
@@ -249,16 +251,18 @@ mod tests {
     impl Monitor for Below {
         fn judge(&mut self, residual: &[f64]) -> Verdict {
             self.outer += 1;
-            match norm(residual) <= self.bound {
-                true => Verdict::Stop,
-                false => Verdict::Continue,
+            if norm(residual) <= self.bound {
+                Verdict::Stop
+            } else {
+                Verdict::Continue
             }
         }
         fn poll(&mut self) -> Verdict {
             self.inner += 1;
-            match self.inner < self.most_inner {
-                true => Verdict::Continue,
-                false => Verdict::Stop,
+            if self.inner < self.most_inner {
+                Verdict::Continue
+            } else {
+                Verdict::Stop
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::linalg::{DenseCholesky, DenseMatrix, LinearOperator, Preconditioner, 
 
 /// Reduction of the error of a step, by what the metric says of it.
 const REDUCTION: f64 = 1e-3;
-/// Iterations behind which a factor is cheaper.
+/// Iterations after which a factor is cheaper.
 const MOST_ITERATIONS: usize = 40;
 
 /// The metric of the equations of a step.

@@ -20,7 +20,7 @@ use super::aggregate::NONE;
 use super::block_rows::{BlockRows, Lanes, Pattern, add_block_product, wide};
 use super::coarsest::Coarsest;
 use super::cycle::{Hierarchy, Level};
-use super::smoother::DEGREE;
+use super::smoother::{DEGREE, RowStep};
 use crate::linalg::{DenseMatrix, Scalar};
 use crate::precond::p1::Traces;
 
@@ -293,8 +293,12 @@ fn smoothed<S: Scalar, const N: usize, const K: usize>(
     }
     let mut last = moved.clone();
     for index in 1..DEGREE {
-        let change = (&mut residual[..], &mut moved[..]);
-        last = step(level, index, (&nodes, places), &last, change);
+        let of = Column {
+            level,
+            nodes: &nodes,
+            places,
+        };
+        last = step(&of, index, &last, (&mut residual, &mut moved));
     }
     subtract_product(level, (&nodes, places), &last, &mut residual);
     for (weights, residual) in weights.iter_mut().zip(&residual) {
@@ -313,11 +317,17 @@ fn smoothed<S: Scalar, const N: usize, const K: usize>(
     (share, restricted)
 }
 
+/// Where a column has entries.
+struct Column<'a, S, const N: usize, const K: usize> {
+    level: &'a Level<S, N, K>,
+    nodes: &'a [u32],
+    places: &'a Places,
+}
+
 /// A step of the smoother after `moved` has moved by `last`; returns the next move.
 fn step<S: Scalar, const N: usize, const K: usize>(
-    level: &Level<S, N, K>,
+    of: &Column<'_, S, N, K>,
     index: usize,
-    (nodes, places): (&[u32], &Places),
     last: &[Node<S, N>],
     (residual, moved): (&mut [Node<S, N>], &mut [Node<S, N>]),
 ) -> Vec<Node<S, N>> {
@@ -325,13 +335,15 @@ fn step<S: Scalar, const N: usize, const K: usize>(
     wide::<LANES>(
         #[inline(always)]
         || {
-            for (place, &node) in nodes.iter().enumerate() {
-                let product = product_of_row(&level.matrix, node, last, places);
-                level.smoother.step_of_row(
-                    (index, node as usize),
-                    (&product, &last[place]),
-                    (&mut residual[place], &mut next[place], &mut moved[place]),
-                );
+            for (place, &node) in of.nodes.iter().enumerate() {
+                let product = product_of_row(&of.level.matrix, node, last, of.places);
+                let row = RowStep {
+                    r: &mut residual[place],
+                    next: &mut next[place],
+                    x: &mut moved[place],
+                };
+                let smoother = &of.level.smoother;
+                smoother.step_of_row((index, node as usize), (&product, &last[place]), row);
             }
         },
     );

@@ -8,7 +8,7 @@
 
 use super::block_rows::{BlockRows, in_pieces, nodes, nodes_mut};
 use super::coarsest::Coarsest;
-use super::smoother::{DEGREE, Smoother};
+use super::smoother::{AllRows, DEGREE, Smoother};
 use crate::linalg::Scalar;
 use crate::linalg::Workspace;
 
@@ -38,8 +38,12 @@ impl<S: Scalar, const N: usize, const K: usize> Level<S, N, K> {
         let mut next = S::take(work, r.len());
         self.smoother.start(r, &mut d, x);
         for index in 1..DEGREE {
-            self.smoother
-                .step(index, &self.matrix, &d, (&mut *r, &mut next, &mut *x));
+            let rows = AllRows {
+                r: &mut *r,
+                next: &mut next,
+                x: &mut *x,
+            };
+            self.smoother.step(index, &self.matrix, &d, rows);
             std::mem::swap(&mut d, &mut next);
         }
         subtract_product(&self.matrix, &d, r);
@@ -50,8 +54,12 @@ impl<S: Scalar, const N: usize, const K: usize> Level<S, N, K> {
         multiply(&self.prolongation, &coarse, &mut d);
         add(x, &d);
         for index in 0..DEGREE {
-            self.smoother
-                .step(index, &self.matrix, &d, (&mut *r, &mut next, &mut *x));
+            let rows = AllRows {
+                r: &mut *r,
+                next: &mut next,
+                x: &mut *x,
+            };
+            self.smoother.step(index, &self.matrix, &d, rows);
             std::mem::swap(&mut d, &mut next);
         }
         for vector in [d, next, coarse_residual, coarse] {

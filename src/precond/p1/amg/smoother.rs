@@ -28,11 +28,18 @@ const LANCZOS_STEPS: usize = 8;
 const SAFETY: f64 = 1.1;
 
 /// Residual, next move and iterate of one row.
-type OfRow<'a, S, const N: usize, const W: usize> = (
-    &'a mut [Lanes<S, W>; N],
-    &'a mut [Lanes<S, W>; N],
-    &'a mut [Lanes<S, W>; N],
-);
+pub(super) struct RowStep<'a, S, const N: usize, const W: usize> {
+    pub(super) r: &'a mut [Lanes<S, W>; N],
+    pub(super) next: &'a mut [Lanes<S, W>; N],
+    pub(super) x: &'a mut [Lanes<S, W>; N],
+}
+
+/// The same of all rows.
+pub(super) struct AllRows<'a, S> {
+    pub(super) r: &'a mut [S],
+    pub(super) next: &'a mut [S],
+    pub(super) x: &'a mut [S],
+}
 
 /// Inverted diagonal blocks, and the coefficients of the steps.
 #[derive(Clone, Debug)]
@@ -183,7 +190,7 @@ impl<S: Scalar, const N: usize> Smoother<S, N> {
         index: usize,
         matrix: &BlockRows<S, N, N>,
         d: &[S],
-        (r, next, x): (&mut [S], &mut [S], &mut [S]),
+        AllRows { r, next, x }: AllRows<'_, S>,
     ) {
         let d = nodes::<S, N, 1>(d);
         nodes_mut::<S, N, 1>(r)
@@ -195,7 +202,7 @@ impl<S: Scalar, const N: usize> Smoother<S, N> {
                 for (k, ((r, next), x)) in r.iter_mut().zip(next).zip(x).enumerate() {
                     let row = piece * PIECE + k;
                     let product = matrix.row_product(row, d);
-                    self.step_of_row((index, row), (&product, &d[row]), (r, next, x));
+                    self.step_of_row((index, row), (&product, &d[row]), RowStep { r, next, x });
                 }
             });
     }
@@ -207,7 +214,7 @@ impl<S: Scalar, const N: usize> Smoother<S, N> {
         &self,
         (index, row): (usize, usize),
         (product, d): (&[Lanes<S, W>; N], &[Lanes<S, W>; N]),
-        (r, next, x): OfRow<'_, S, N, W>,
+        RowStep { r, next, x }: RowStep<'_, S, N, W>,
     ) {
         let (keep, gain) = self.steps[index];
         for i in 0..N {

@@ -27,12 +27,12 @@ const NONE: f64 = 1e-4;
 const DEPENDENT: f64 = 1e-8;
 
 /// What takes the place of the stiffness that the body lacks.
-pub(super) struct Loose {
+pub(super) struct RigidModes {
     /// M r of each motion, r of unit length in M `[motions][displacement]`.
     forces: Vec<Vec<f64>>,
 }
 
-impl Loose {
+impl RigidModes {
     /// Adds what resists the motion `x` to `y`.
     pub(super) fn add(&self, x: &[f64], y: &mut [f64]) {
         for force in &self.forces {
@@ -43,12 +43,12 @@ impl Loose {
 
 impl QuadraticProgram<'_> {
     /// The motions on which `stiffness` vanishes; none where supports hold the body.
-    pub(super) fn loose(
+    pub(super) fn resisted_rigid_modes(
         &self,
         state: &State,
         (stiffness, inverse): (&dyn LinearOperator, &dyn Preconditioner),
         work: &mut Workspace,
-    ) -> Option<Loose> {
+    ) -> Option<RigidModes> {
         if !self.model.plan.is_floating() {
             return None;
         }
@@ -71,7 +71,7 @@ impl QuadraticProgram<'_> {
             }
         }
         let vectors = symmetric(&matrix)?;
-        let mut loose = Loose { forces: Vec::new() };
+        let mut rigid_modes = RigidModes { forces: Vec::new() };
         for shares in vectors {
             let force = combination(&shares, &forces);
             let mut moved = work.scratch(force.len());
@@ -79,11 +79,11 @@ impl QuadraticProgram<'_> {
             if dot(&force, &moved).sqrt() <= NONE * RESISTANCE.sqrt() {
                 let motion = combination(&shares, &motions);
                 let weighted = motion.iter().zip(&mass).map(|(r, m)| r * m);
-                loose.forces.push(weighted.collect());
+                rigid_modes.forces.push(weighted.collect());
             }
             work.give(moved);
         }
-        Some(loose)
+        Some(rigid_modes)
     }
 }
 

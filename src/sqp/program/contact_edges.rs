@@ -1,14 +1,14 @@
 //! What the factor of a body adds where two closed contacts meet at an angle:
 //!
 //! ```text
-//! G_s = - sum over nodes of a seam  c sum_i (n_i . v)^2,   c = p l,   l = w^((d - 2) / (d - 1))
+//! G_s = - sum over nodes of an edge  c sum_i (n_i . v)^2,   c = p l,   l = w^((d - 2) / (d - 1))
 //! ```
 //!
 //! n_i the normals of the closed multipliers on the node, p the largest of their pressures, w
-//! their weight. The internal pressure takes p (u . n_1) (v . n_2) off along a seam, which the
+//! their weight. The internal pressure takes p (u . n_1) (v . n_2) off along an edge, which the
 //! gaps of both faces hold and the areas of neither tell: in the corner of a box that is full at
 //! 4,000 shear moduli the body alone has one motion as soft as that, which no Lanczos step finds.
-//! A program whose seams stay closed does not see the term; others see as many columns as there
+//! A program whose contact_edges stay closed does not see the term; others see as many columns as there
 //! are such nodes. Cost: a pass over the closed multipliers.
 
 use std::collections::BTreeMap;
@@ -42,20 +42,20 @@ impl Seam {
 }
 
 /// G_s on free entries `[displacement, displacement]`, as what is taken off the stiffness; none
-/// without seams.
-pub(super) fn seams(model: &Model<'_>, state: &State) -> Option<SparseRows> {
+/// without contact_edges.
+pub(super) fn contact_edges(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     let c = model.prepared.space.components;
     let mut rows = vec![Vec::new(); state.displacement.len()];
     let mut bent = of_nodes(model, state);
-    bent.retain(|_, seam| seam.is_bent());
-    for (node, seam) in &bent {
+    bent.retain(|_, contact_edge| contact_edge.is_bent());
+    for (node, contact_edge) in &bent {
         let power = (c as f64 - 2.0) / (c as f64 - 1.0);
-        let size = seam.pressure * seam.weight.powf(power);
+        let size = contact_edge.pressure * contact_edge.weight.powf(power);
         let first = *node as usize * c;
         let is_free = |k: usize| !model.prepared.is_held[first + k];
         for i in (0..c).filter(|&i| is_free(i)) {
             for j in (0..c).filter(|&j| is_free(j)) {
-                let sum: f64 = seam.normals.iter().map(|n| n[i] * n[j]).sum();
+                let sum: f64 = contact_edge.normals.iter().map(|n| n[i] * n[j]).sum();
                 rows[first + i].push(((first + j) as u32, -size * sum));
             }
         }
@@ -83,10 +83,10 @@ fn of_nodes(model: &Model<'_>, state: &State) -> BTreeMap<u32, Seam> {
         });
         for (node, m) in of_carriers.filter(|&(_, m)| status[m].is_closed()) {
             if let Some(normal) = normalised(normals[m]) {
-                let seam = nodes.entry(node).or_default();
-                seam.normals.push(normal);
-                seam.pressure = seam.pressure.max(multipliers[m].abs());
-                seam.weight = seam.weight.max(surface.weights[m]);
+                let contact_edge = nodes.entry(node).or_default();
+                contact_edge.normals.push(normal);
+                contact_edge.pressure = contact_edge.pressure.max(multipliers[m].abs());
+                contact_edge.weight = contact_edge.weight.max(surface.weights[m]);
             }
         }
     }
