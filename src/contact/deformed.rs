@@ -5,8 +5,6 @@
 //! so in the order of faces and points, so that the bits do not depend on the
 //! threads. Nothing is allocated for a face or a point.
 
-use rayon::prelude::*;
-
 use super::area_element::{AreaElement, Extent, NODES};
 use super::basis::ContactBasis;
 use super::counterpart::{Counterpart, Places};
@@ -15,6 +13,7 @@ use crate::assembly::follower::shape_slopes;
 use crate::assembly::load::push_shape_values;
 use crate::element::quadrature::Rule;
 use crate::geometry::vector3::add;
+use crate::linalg::parallel::{self, Pieces};
 use crate::mesh::Mesh;
 use crate::obstacle::{Contact, Derivatives};
 use crate::space::TaylorHood;
@@ -305,16 +304,15 @@ impl Deformed<'_> {
         kernel: impl Fn(&mut FacePoints<'_>, &ContactFace, &mut [f64]) + Sync,
     ) -> Vec<f64> {
         let mut out = vec![0.0; faces.len() * size];
-        let numbers = out.par_chunks_mut(size.max(1));
-        (faces.par_iter().zip(numbers))
-            .with_min_len(PARALLEL_FACES)
-            .for_each_init(
-                || FacePoints::new(table),
-                |points, (face, numbers)| {
-                    points.place(self, face);
-                    kernel(points, face, numbers);
-                },
-            );
+        let pieces = Pieces::of(&mut out, PARALLEL_FACES * size);
+        parallel::each(pieces, 1, &|piece, numbers| {
+            let mut points = FacePoints::new(table);
+            let faces = &faces[piece * PARALLEL_FACES..];
+            for (face, numbers) in faces.iter().zip(numbers.chunks_mut(size)) {
+                points.place(self, face);
+                kernel(&mut points, face, numbers);
+            }
+        });
         out
     }
 }

@@ -3,12 +3,13 @@
 //! Applying costs 12 bytes and two flops per entry. The transposed product is
 //! sequential; it serves matrices with few rows.
 
-use rayon::prelude::*;
-
 use super::{LinearOperator, Workspace};
+use crate::linalg::parallel::{self, Pieces};
 
 /// Rows shorter than this in total are not worth a second thread.
 const PARALLEL_ROWS: usize = 4096;
+/// Rows of a piece.
+const ROWS: usize = 1024;
 
 /// A sparse matrix, row by row, columns ascending.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -215,10 +216,11 @@ impl SparseRows {
                 .enumerate()
                 .for_each(|(row, value)| visit(row, value));
         } else {
-            y.par_iter_mut()
-                .with_min_len(1024)
-                .enumerate()
-                .for_each(|(row, value)| visit(row, value));
+            parallel::each(Pieces::of(y, ROWS), 1, &|piece, y| {
+                for (row, value) in (piece * ROWS..).zip(y) {
+                    visit(row, value);
+                }
+            });
         }
     }
 

@@ -2,7 +2,7 @@
 //! a tree that depends on the length only: the same bits for every number of
 //! threads, and nothing allocated.
 
-use rayon::prelude::*;
+use crate::linalg::parallel::{self, Pieces};
 
 /// Entries per block of a reduction.
 pub(crate) const BLOCK: usize = 4096;
@@ -49,9 +49,9 @@ fn zip_blocks(y: &mut [f64], x: &[f64], kernel: impl Fn(&mut [f64], &[f64]) + Sy
     if y.len() < PARALLEL {
         kernel(y, x);
     } else {
-        y.par_chunks_mut(BLOCK)
-            .zip(x.par_chunks(BLOCK))
-            .for_each(|(b, a)| kernel(b, a));
+        parallel::each(Pieces::of(y, BLOCK), 1, &|k, y| {
+            kernel(y, &x[k * BLOCK..][..y.len()]);
+        });
     }
 }
 
@@ -94,11 +94,11 @@ pub fn multiply(y: &mut [f64], x: &[f64]) {
 
 /// `y *= a`.
 pub fn scale(y: &mut [f64], a: f64) {
-    let kernel = |y: &mut [f64]| y.iter_mut().for_each(|v| *v *= a);
+    let kernel = |_, y: &mut [f64]| y.iter_mut().for_each(|v| *v *= a);
     if y.len() < PARALLEL {
-        kernel(y)
+        kernel(0, y)
     } else {
-        y.par_chunks_mut(BLOCK).for_each(kernel)
+        parallel::each(Pieces::of(y, BLOCK), 1, &kernel)
     }
 }
 
@@ -126,7 +126,7 @@ pub fn dots<const K: usize>(x: &[f64], ys: &[&[f64]; K]) -> [f64; K] {
 
 /// `y -= sum_k a_k x_k` with one sweep over `y`; empty vectors are left out.
 pub fn subtract_combination<const K: usize>(y: &mut [f64], a: &[f64; K], xs: &[&[f64]; K]) {
-    let kernel = |(block, y): (usize, &mut [f64])| {
+    let kernel = |block: usize, y: &mut [f64]| {
         let first = block * BLOCK;
         for (factor, x) in a.iter().zip(xs).filter(|(_, x)| !x.is_empty()) {
             for (value, x) in y.iter_mut().zip(&x[first..]) {
@@ -135,9 +135,10 @@ pub fn subtract_combination<const K: usize>(y: &mut [f64], a: &[f64; K], xs: &[&
         }
     };
     if y.len() < PARALLEL {
-        y.chunks_mut(BLOCK).enumerate().for_each(kernel)
+        let pieces = y.chunks_mut(BLOCK).enumerate();
+        pieces.for_each(|(block, y)| kernel(block, y))
     } else {
-        y.par_chunks_mut(BLOCK).enumerate().for_each(kernel)
+        parallel::each(Pieces::of(y, BLOCK), 1, &kernel)
     }
 }
 

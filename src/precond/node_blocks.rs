@@ -4,9 +4,8 @@
 //! Blocks of held components must carry the identity there, as the operator
 //! does; otherwise the largest eigenvalue grows several times.
 
+use crate::linalg::parallel::{self, Pieces};
 use std::collections::BTreeMap;
-
-use rayon::prelude::*;
 
 use crate::linalg::{Preconditioner, Scalar, Workspace};
 
@@ -33,12 +32,14 @@ impl NodeBlocks {
     /// be inverted becomes the inverse of its diagonal.
     pub fn invert(components: usize, mut blocks: Vec<f64>) -> Self {
         let size = components * components;
-        blocks
-            .par_chunks_exact_mut(size)
-            .for_each(|block| match components {
+        parallel::each(
+            Pieces::of(&mut blocks, size),
+            1,
+            &|_, block| match components {
                 2 => invert_2(block),
                 _ => invert_3(block),
-            });
+            },
+        );
         Self::of_inverse(components, &blocks)
     }
 
@@ -161,18 +162,15 @@ impl NodeBlocks {
         visit: impl Fn(&[f32; N], &[R; C], &mut [R; C], &mut [R; C]) + Sync,
     ) {
         let piece = PIECE * C;
-        d.par_chunks_mut(piece)
-            .zip(x.par_chunks_mut(piece))
-            .zip(r.par_chunks(piece))
-            .zip(self.inverse.par_chunks(PIECE * N))
-            .with_min_len(FEWEST)
-            .for_each(|(((d, x), r), inverse)| {
-                let (d, x) = (d.as_chunks_mut::<C>().0, x.as_chunks_mut::<C>().0);
-                let data = r.as_chunks::<C>().0.iter().zip(inverse.as_chunks::<N>().0);
-                for ((d, x), (r, block)) in d.iter_mut().zip(x).zip(data) {
-                    visit(block, r, d, x);
-                }
-            });
+        let (r, inverse) = (r.as_chunks::<C>().0, self.inverse.as_chunks::<N>().0);
+        let (d, x) = (Pieces::of(d, piece), Pieces::of(x, piece));
+        parallel::each_of_two(d, x, FEWEST, &|k, d, x| {
+            let (d, x) = (d.as_chunks_mut::<C>().0, x.as_chunks_mut::<C>().0);
+            let data = r[k * PIECE..].iter().zip(&inverse[k * PIECE..]);
+            for ((d, x), (r, block)) in d.iter_mut().zip(x).zip(data) {
+                visit(block, r, d, x);
+            }
+        });
     }
 
     /// Bytes held.

@@ -11,9 +11,8 @@
 //! from their edges in ascending order, edges from their ends: parallel, with
 //! bits that do not depend on the number of threads. Cost: one sweep each.
 
+use crate::linalg::parallel::{self, Pieces};
 use std::sync::Arc;
-
-use rayon::prelude::*;
 
 use crate::linalg::{Held, Scalar};
 
@@ -91,10 +90,9 @@ impl Transfer {
         }
         let first = self.coarse_size();
         let piece = PIECE * self.components;
-        let pieces = r[first..].par_chunks_mut(piece);
-        let pieces = pieces.zip(h[first..].par_chunks(piece));
-        pieces.with_min_len(FEWEST).for_each(|(r, h)| {
-            for (r, h) in r.iter_mut().zip(h) {
+        let h = &h[first..];
+        parallel::each(Pieces::of(&mut r[first..], piece), FEWEST, &|k, r| {
+            for (r, h) in r.iter_mut().zip(&h[k * piece..]) {
                 *r = R::narrow(unit * h);
             }
         });
@@ -106,9 +104,8 @@ impl Transfer {
         let (vertices, edges) = c.split_at_mut(self.coarse_size());
         let (ends, middles) = u.split_at(self.coarse_size());
         let piece = PIECE * self.components;
-        let pieces = vertices.par_chunks_mut(piece).zip(ends.par_chunks(piece));
-        pieces.with_min_len(FEWEST).for_each(|(c, u)| {
-            for (c, u) in c.iter_mut().zip(u) {
+        parallel::each(Pieces::of(vertices, piece), FEWEST, &|k, c| {
+            for (c, u) in c.iter_mut().zip(&ends[k * piece..]) {
                 *c = unit * u.widen();
             }
         });
@@ -147,9 +144,8 @@ impl Transfer {
     ) {
         let (own, edges) = r.split_at(self.coarse_size());
         let (own, edges) = (own.as_chunks::<C>().0, edges.as_chunks::<C>().0);
-        let pieces = vertices[..self.coarse_size()].par_chunks_mut(PIECE * C);
-        let pieces = pieces.enumerate().with_min_len(FEWEST);
-        pieces.for_each(|(piece, part)| {
+        let pieces = Pieces::of(&mut vertices[..self.coarse_size()], PIECE * C);
+        parallel::each(pieces, FEWEST, &|piece, part| {
             let (targets, _) = part.as_chunks_mut::<C>();
             let nodes = own[piece * PIECE..]
                 .iter()
@@ -177,14 +173,10 @@ impl Transfer {
         (middles, c): (&[R], &mut [f64]),
     ) {
         let (vertices, _) = ends.as_chunks::<C>();
-        let pieces = c
-            .par_chunks_mut(PIECE * C)
-            .zip(middles.par_chunks(PIECE * C))
-            .zip(self.edges.par_chunks(PIECE))
-            .with_min_len(FEWEST);
-        pieces.for_each(|((part, middles), ends)| {
+        let (middles, _) = middles.as_chunks::<C>();
+        parallel::each(Pieces::of(c, PIECE * C), FEWEST, &|piece, part| {
             let (targets, _) = part.as_chunks_mut::<C>();
-            let (middles, _) = middles.as_chunks::<C>();
+            let (middles, ends) = (&middles[piece * PIECE..], &self.edges[piece * PIECE..]);
             for ((target, middle), [a, b]) in targets.iter_mut().zip(middles).zip(ends) {
                 let (a, b) = (&vertices[*a as usize], &vertices[*b as usize]);
                 for i in 0..C {
@@ -202,12 +194,9 @@ impl Transfer {
             *x = R::narrow(*coarse);
         }
         let (coarse, _) = coarse.as_chunks::<C>();
-        let pieces = edges
-            .par_chunks_mut(PIECE * C)
-            .zip(self.edges.par_chunks(PIECE))
-            .with_min_len(FEWEST);
-        pieces.for_each(|(part, ends)| {
+        parallel::each(Pieces::of(edges, PIECE * C), FEWEST, &|piece, part| {
             let (targets, _) = part.as_chunks_mut::<C>();
+            let ends = &self.edges[piece * PIECE..];
             for (target, [a, b]) in targets.iter_mut().zip(ends) {
                 let (a, b) = (&coarse[*a as usize], &coarse[*b as usize]);
                 for i in 0..C {

@@ -1,11 +1,10 @@
 //! Where the copies of each node lie in the results of all blocks, and their
 //! sums in block order.
 
-use rayon::prelude::*;
-
 use crate::assembly::simd;
 use crate::assembly::transpose::Row;
 use crate::linalg::Scalar;
+use crate::linalg::parallel::{self, Pieces};
 
 /// Copies between asking for one and reading it.
 const AHEAD: usize = 24;
@@ -58,7 +57,7 @@ impl Copies {
         y: &mut [R],
         take: impl Fn(&mut [R; C], Row<R>) + Sync,
     ) {
-        let of_piece = |(piece, part): (usize, &mut [R])| {
+        let of_piece = |piece: usize, part: &mut [R]| {
             let (nodes, _) = part.as_chunks_mut::<C>();
             let offsets = &self.offsets[piece * PIECE..];
             for (target, range) in nodes.iter_mut().zip(offsets.windows(2)) {
@@ -72,9 +71,10 @@ impl Copies {
             }
         };
         if y.len() < ALONE * PIECE * C {
-            y.chunks_mut(PIECE * C).enumerate().for_each(of_piece)
+            let pieces = y.chunks_mut(PIECE * C).enumerate();
+            pieces.for_each(|(piece, part)| of_piece(piece, part));
         } else {
-            y.par_chunks_mut(PIECE * C).enumerate().for_each(of_piece)
+            parallel::each(Pieces::of(y, PIECE * C), 1, &of_piece);
         }
     }
 }

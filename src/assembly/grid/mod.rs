@@ -10,9 +10,8 @@ mod block;
 mod copies;
 mod single;
 
+use crate::linalg::parallel::{self, Pieces};
 use std::sync::Arc;
-
-use rayon::prelude::*;
 
 use super::kernel::{Batch, PRESSURE};
 use super::partition::blocks_of_cells;
@@ -190,10 +189,9 @@ impl Grid {
 
 impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
     fn new(source: GridSource<'_>) -> Self {
-        let blocks: Vec<Block<V, D, E>> = blocks_of_cells(source.mesh)
-            .par_iter()
-            .map(|cells| Block::new(cells, source))
-            .collect();
+        let cells = blocks_of_cells(source.mesh);
+        let block = |k: usize| Block::new(&cells[k], source);
+        let blocks: Vec<Block<V, D, E>> = parallel::map(cells.len(), 1, &block);
         let group = blocks.len().div_ceil(MOST_GROUPS).max(1);
         let rows = |group: &[Block<V, D, E>]| group.iter().map(|b| b.nodes.len()).sum();
         let group_rows: usize = blocks.chunks(group).map(rows).max().unwrap_or(0);
@@ -422,12 +420,15 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
             }
         };
         let (own, each) = (self.block_rows.max(1), self.group_rows.max(1));
-        (items.par_chunks_mut(self.group))
-            .zip(argument_rows.par_chunks_mut(own))
-            .zip(result_rows.par_chunks_mut(each))
-            .enumerate()
-            .with_min_len((alone(V) / each).div_ceil(2).max(1))
-            .for_each(|(number, ((items, x), y))| of_group(number, items, x, y));
+        let least = (alone(V) / each).div_ceil(2).max(1);
+        let rows = [
+            Pieces::of(argument_rows, own),
+            Pieces::of(result_rows, each),
+        ];
+        let items = Pieces::of(items, self.group);
+        parallel::each_of_three(items, rows, least, &|number, items, [x, y]| {
+            of_group(number, items, x, y);
+        });
         finish(result_rows);
         R::give(work, arguments);
         R::give(work, results);

@@ -25,10 +25,9 @@ mod fit;
 mod sites;
 mod strain;
 
-use rayon::prelude::*;
-
 use super::cells::CellGeometry;
 use crate::element::quadrature::{Simplex, rule};
+use crate::linalg::parallel;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 use fit::{Fit, Quadratic};
@@ -84,17 +83,14 @@ impl Recovery<'_> {
         let sites = Sites::new(self.mesh, self.regions);
         let polynomials = polynomials::<D, V, E, M, S>(&cells, &sites);
         let form = EnergyForm::<V, E, S>::new();
-        let squares: Vec<[f64; 2]> = (0..self.geometry.cells())
-            .into_par_iter()
-            .map(|cell| {
-                let at = sites.of_cell(self.mesh.cell(cell), self.regions[cell]);
-                let difference = cells.difference::<M>(cell, |corner| &polynomials[at[corner]]);
-                let measure = self.geometry.volumes[cell];
-                let [shear, lame] = self.moduli[cell];
-                let error = form.square(&difference, shear, lame);
-                [measure * error, measure * cells.energy(cell, [shear, lame])]
-            })
-            .collect();
+        let squares = parallel::map(self.geometry.cells(), 1, &|cell| {
+            let at = sites.of_cell(self.mesh.cell(cell), self.regions[cell]);
+            let difference = cells.difference::<M>(cell, |corner| &polynomials[at[corner]]);
+            let measure = self.geometry.volumes[cell];
+            let [shear, lame] = self.moduli[cell];
+            let error = form.square(&difference, shear, lame);
+            [measure * error, measure * cells.energy(cell, [shear, lame])]
+        });
         CellSquares {
             error: squares.iter().map(|pair| pair[0]).collect(),
             energy: squares.iter().map(|pair| pair[1]).collect(),
@@ -121,31 +117,22 @@ fn polynomials<const D: usize, const V: usize, const E: usize, const M: usize, c
         }
         fit.solve()
     };
-    let inner: Vec<Option<Quadratic<M, S>>> = (0..sites.len())
-        .into_par_iter()
-        .map(|site| {
-            let centre = cells.vertex(sites.vertex(site));
-            (!sites.is_rim(site)).then(|| fitted(sites.cells(site), centre))
-        })
-        .collect();
-    let mut known = inner;
+    let mut known = parallel::map(sites.len(), 1, &|site| {
+        let centre = cells.vertex(sites.vertex(site));
+        (!sites.is_rim(site)).then(|| fitted(sites.cells(site), centre))
+    });
     for _ in 0..ROUNDS {
-        known = (0..sites.len())
-            .into_par_iter()
-            .map(|site| known[site].or_else(|| mean_at(cells, sites, &known, site)))
-            .collect();
+        known = parallel::map(sites.len(), 1, &|site| {
+            known[site].or_else(|| mean_at(cells, sites, &known, site))
+        });
     }
-    known
-        .par_iter()
-        .enumerate()
-        .map(|(site, polynomial)| {
-            polynomial.unwrap_or_else(|| {
-                let centre = cells.vertex(sites.vertex(site));
-                let around = sites.neighbours(cells.problem.mesh, cells.problem.regions, site);
-                fitted(&sites.two_rings(&around), centre)
-            })
+    parallel::map(sites.len(), 1, &|site| {
+        known[site].unwrap_or_else(|| {
+            let centre = cells.vertex(sites.vertex(site));
+            let around = sites.neighbours(cells.problem.mesh, cells.problem.regions, site);
+            fitted(&sites.two_rings(&around), centre)
         })
-        .collect()
+    })
 }
 
 /// Mean of the neighbours' known polynomials, centred anew; none without one.

@@ -5,9 +5,8 @@
 //! depend on the number of threads. W vectors that share a product lie side by
 //! side, `[nodes, components, W]`: each keeps the bits it has alone.
 
-use rayon::prelude::*;
-
 use crate::linalg::Scalar;
+use crate::linalg::parallel::{self, Pieces};
 use crate::linalg::{LinearOperator, Workspace};
 
 /// A dense block, row-major.
@@ -64,9 +63,9 @@ pub(super) fn in_pieces<T: Send>(rows: &mut [T], kernel: impl Fn(usize, &mut [T]
     if rows.len() <= PIECE {
         return kernel(0, rows);
     }
-    rows.par_chunks_mut(PIECE)
-        .enumerate()
-        .for_each(|(piece, rows)| kernel(piece * PIECE, rows));
+    parallel::each(Pieces::of(rows, PIECE), 1, &|piece, rows| {
+        kernel(piece * PIECE, rows);
+    });
 }
 
 /// W values, one for each of W vectors.
@@ -137,15 +136,18 @@ impl<S: Scalar, const R: usize, const C: usize> BlockRows<S, R, C> {
 
     /// The same matrix in another number type.
     pub(super) fn converted<T: Scalar>(&self) -> BlockRows<T, R, C> {
+        let mut blocks = vec![[[T::default(); C]; R]; self.blocks.len()];
+        let (from, size) = (self.blocks.as_flattened().as_flattened(), PIECE * R * C);
+        let into = Pieces::of(blocks.as_flattened_mut().as_flattened_mut(), size);
+        parallel::each(into, 1, &|piece, into| {
+            for (to, from) in into.iter_mut().zip(&from[piece * size..]) {
+                *to = T::narrow(from.widen());
+            }
+        });
         BlockRows {
             columns: self.columns,
             pattern: self.pattern.clone(),
-            blocks: self
-                .blocks
-                .par_iter()
-                .with_min_len(PIECE)
-                .map(|block| block.map(|row| row.map(|value| T::narrow(value.widen()))))
-                .collect(),
+            blocks,
         }
     }
 

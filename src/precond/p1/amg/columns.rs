@@ -14,13 +14,14 @@
 //! number of threads. Cost in flops, of 2208 traces on 37 k vertices: 7 M a trace, and
 //! 9 k a pair of traces.
 
-use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::aggregate::NONE;
 use super::block_rows::{BlockRows, Lanes, Pattern, add_block_product, wide};
 use super::coarsest::Coarsest;
 use super::cycle::{Hierarchy, Level};
 use super::smoother::{DEGREE, RowStep};
+use crate::linalg::parallel::{self, Pieces, Scratch};
 use crate::linalg::{DenseMatrix, Scalar};
 use crate::precond::p1::Traces;
 
@@ -145,12 +146,11 @@ impl<'a, S: Scalar> Products<'a, S> {
         pieces: &[Piece<S, N>],
     ) -> Option<Vec<Piece<S, K>>> {
         let places = || Places::new(level.matrix.rows());
-        let smoothed: Option<Vec<_>> = pieces
-            .par_iter()
-            .map_init(places, |places, piece| {
-                (self.proceed)().then(|| smoothed(level, piece, places))
-            })
-            .collect();
+        let scratch = Scratch::new(&places);
+        let smoothed = parallel::map(pieces.len(), 1, &|k| {
+            (self.proceed)().then(|| scratch.lend(|places| smoothed(level, &pieces[k], places)))
+        });
+        let smoothed: Option<Vec<_>> = smoothed.into_iter().collect();
         let (shares, next): (Vec<_>, Vec<_>) = smoothed?.into_iter().unzip();
         self.add(&shares, level.matrix.rows())?;
         Some(next)
@@ -163,10 +163,11 @@ impl<'a, S: Scalar> Products<'a, S> {
         pieces: Vec<Piece<S, K>>,
     ) -> Option<()> {
         let rows = coarsest.size() / K;
-        let share = |piece: Piece<S, K>| {
+        let share = |k: usize| {
+            let piece = &pieces[k];
             let mut weights = vec![[[S::default(); LANES]; K]; rows];
-            for (&node, value) in piece.nodes.iter().zip(piece.values) {
-                weights[node as usize] = value;
+            for (&node, value) in piece.nodes.iter().zip(&piece.values) {
+                weights[node as usize] = *value;
             }
             let mut moved = vec![[[S::default(); LANES]; K]; rows];
             coarsest.solve::<LANES>(
@@ -179,29 +180,28 @@ impl<'a, S: Scalar> Products<'a, S> {
                 weights,
             }
         };
-        let shares: Vec<Share<S, K>> = pieces.into_par_iter().map(share).collect();
+        let shares: Vec<Share<S, K>> = parallel::map(pieces.len(), 1, &share);
         self.add(&shares, rows)
     }
 
     /// Adds the products X^T (B + R) of a level of `rows` nodes.
     fn add<const N: usize>(&mut self, shares: &[Share<S, N>], rows: usize) -> Option<()> {
-        let proceed = self.proceed;
-        self.lower
-            .par_iter_mut()
-            .zip(shares)
-            .map_init(
-                || Places::new(rows),
-                |places, (products, own)| {
-                    proceed().then(|| {
-                        places.mark(&own.nodes);
-                        for (product, other) in products.iter_mut().zip(shares) {
-                            add_product(product, own, other, places);
-                        }
-                        places.clear(&own.nodes);
-                    })
-                },
-            )
-            .collect()
+        let (proceed, is_stopped) = (self.proceed, AtomicBool::new(false));
+        let fresh = || Places::new(rows);
+        let scratch = Scratch::new(&fresh);
+        parallel::each(Pieces::of(&mut self.lower, 1), 1, &|k, products| {
+            if !proceed() {
+                return is_stopped.store(true, Ordering::Relaxed);
+            }
+            let own = &shares[k];
+            scratch.lend(|places| {
+                places.mark(&own.nodes);
+                let products = products.iter_mut().flatten().zip(shares);
+                products.for_each(|(product, other)| add_product(product, own, other, places));
+                places.clear(&own.nodes);
+            });
+        });
+        (!is_stopped.into_inner()).then_some(())
     }
 
     /// The matrix of all traces, whose pieces are `order`'s.

@@ -4,6 +4,7 @@
 //! Cost: one block product per pair of stored blocks that meet; for A P some
 //! 70, for P^T (A P) some 50 per vertex of a tetrahedral mesh.
 
+use crate::linalg::parallel;
 use rayon::prelude::*;
 
 use super::block_rows::{Block, BlockRows, PIECE, Pattern};
@@ -84,11 +85,10 @@ pub(super) fn pieces_of<'a, T>(pattern: &Pattern, entries: &'a mut [T]) -> Vec<R
 /// The pattern of the product A B, found piece by piece in parallel and put together in
 /// order, so that it does not depend on the threads.
 fn product_pattern(a: &Pattern, b: &Pattern, columns: usize) -> Pattern {
-    let firsts: Vec<usize> = (0..a.rows()).step_by(PIECE).collect();
-    let parts: Vec<(Vec<u32>, Vec<u32>)> = firsts
-        .into_par_iter()
-        .map(|first| pattern_of_rows(a, b, columns, first..a.rows().min(first + PIECE)))
-        .collect();
+    let parts = parallel::map(a.rows().div_ceil(PIECE), 1, &|piece| {
+        let first = piece * PIECE;
+        pattern_of_rows(a, b, columns, first..a.rows().min(first + PIECE))
+    });
     let mut offsets = vec![0];
     let mut indices = Vec::with_capacity(parts.iter().map(|part| part.1.len()).sum());
     let mut end = 0;

@@ -5,6 +5,7 @@
 //! A B, which is B wherever A maps the modes to zero.
 //! Vanek, Mandel and Brezina, Computing 56 (1996).
 
+use crate::linalg::parallel;
 use rayon::prelude::*;
 
 use super::aggregate::{Aggregates, NONE};
@@ -22,11 +23,9 @@ pub(super) fn tentative<const N: usize, const K: usize>(
     modes: &Modes<N, K>,
 ) -> (BlockRows<f64, N, K>, Modes<K, K>) {
     let members = groups.members();
-    let factored: Vec<_> = (0..groups.count)
-        .into_par_iter()
-        .with_min_len(64)
-        .map(|group| orthonormalise(members.row(group).iter().map(|&node| modes[node as usize])))
-        .collect();
+    let factored = parallel::map(groups.count, 64, &|group| {
+        orthonormalise(members.row(group).iter().map(|&node| modes[node as usize]))
+    });
     let mut next = vec![0_usize; groups.count];
     let mut pattern = Pattern {
         offsets: vec![0],

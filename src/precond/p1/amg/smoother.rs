@@ -6,14 +6,13 @@
 //! it damps `[largest / RATIO, largest]` of D^-1 A.
 //! Adams, Brezina, Hu and Tuminaro, J. Comput. Phys. 188 (2003).
 
-use rayon::prelude::*;
-
 use super::AmgError;
 use super::block_rows::{
     Block, BlockRows, Lanes, PIECE, add_block_product, in_pieces, nodes, nodes_mut,
 };
 use super::strength::position_of_diagonal;
 use crate::linalg::Scalar;
+use crate::linalg::parallel::{self, Pieces};
 use crate::linalg::{Preconditioner, Workspace};
 use crate::precond::chebyshev::Chebyshev;
 use crate::precond::spectrum::Lanczos;
@@ -58,15 +57,12 @@ pub(super) struct Smoother<S, const N: usize> {
 pub(super) fn inverse_diagonal<const N: usize>(
     matrix: &BlockRows<f64, N, N>,
 ) -> Result<Vec<Block<f64, N, N>>, AmgError> {
-    (0..matrix.rows())
-        .into_par_iter()
-        .with_min_len(PIECE)
-        .map(|row| {
-            position_of_diagonal(matrix, row)
-                .and_then(|k| inverse(&matrix.blocks[k]))
-                .ok_or(AmgError::Indefinite)
-        })
-        .collect()
+    let of_row = |row: usize| {
+        let diagonal = position_of_diagonal(matrix, row);
+        diagonal.and_then(|k| inverse(&matrix.blocks[k]))
+    };
+    let found = parallel::map(matrix.rows(), PIECE, &of_row).into_iter();
+    found.map(|one| one.ok_or(AmgError::Indefinite)).collect()
 }
 
 /// Inverse of a symmetric positive definite block by Gauss-Jordan elimination,
@@ -171,17 +167,16 @@ impl<S: Scalar, const N: usize> Smoother<S, N> {
     /// First step from zero: `d = gain D^-1 r`, `x = d`.
     pub(super) fn start(&self, r: &[S], d: &mut [S], x: &mut [S]) {
         let r = nodes::<S, N, 1>(r);
-        nodes_mut::<S, N, 1>(d)
-            .par_chunks_mut(PIECE)
-            .zip(nodes_mut::<S, N, 1>(x).par_chunks_mut(PIECE))
-            .enumerate()
-            .for_each(|(piece, (d, x))| {
-                for (k, (d, x)) in d.iter_mut().zip(x).enumerate() {
-                    let row = piece * PIECE + k;
-                    *d = self.first(row, &r[row]);
-                    *x = *d;
-                }
-            });
+        let pieces = [d, x].map(|all| Pieces::of(all, PIECE * N));
+        let [d, x] = pieces;
+        parallel::each_of_two(d, x, 1, &|piece, d, x| {
+            let (d, x) = (nodes_mut::<S, N, 1>(d), nodes_mut::<S, N, 1>(x));
+            for (k, (d, x)) in d.iter_mut().zip(x).enumerate() {
+                let row = piece * PIECE + k;
+                *d = self.first(row, &r[row]);
+                *x = *d;
+            }
+        });
     }
 
     /// Step `index` after `x` has moved by `d`; `next` becomes the next move.
@@ -193,18 +188,16 @@ impl<S: Scalar, const N: usize> Smoother<S, N> {
         AllRows { r, next, x }: AllRows<'_, S>,
     ) {
         let d = nodes::<S, N, 1>(d);
-        nodes_mut::<S, N, 1>(r)
-            .par_chunks_mut(PIECE)
-            .zip(nodes_mut::<S, N, 1>(next).par_chunks_mut(PIECE))
-            .zip(nodes_mut::<S, N, 1>(x).par_chunks_mut(PIECE))
-            .enumerate()
-            .for_each(|(piece, ((r, next), x))| {
-                for (k, ((r, next), x)) in r.iter_mut().zip(next).zip(x).enumerate() {
-                    let row = piece * PIECE + k;
-                    let product = matrix.row_product(row, d);
-                    self.step_of_row((index, row), (&product, &d[row]), RowStep { r, next, x });
-                }
-            });
+        let [r, next, x] = [r, next, x].map(|all| Pieces::of(all, PIECE * N));
+        parallel::each_of_three(r, [next, x], 1, &|piece, r, [next, x]| {
+            let (r, next) = (nodes_mut::<S, N, 1>(r), nodes_mut::<S, N, 1>(next));
+            let x = nodes_mut::<S, N, 1>(x);
+            for (k, ((r, next), x)) in r.iter_mut().zip(next).zip(x).enumerate() {
+                let row = piece * PIECE + k;
+                let product = matrix.row_product(row, d);
+                self.step_of_row((index, row), (&product, &d[row]), RowStep { r, next, x });
+            }
+        });
     }
 
     /// One Chebyshev step of a row: residual, scaled residual, direction and iterate,

@@ -5,9 +5,8 @@
 //! theta = 0.02 keeps nearly every coupling, which makes the aggregates large
 //! and the hierarchy cheap; across flat cells and soft layers it cuts.
 
-use rayon::prelude::*;
-
 use super::block_rows::{Block, BlockRows, PIECE};
+use crate::linalg::parallel;
 
 /// Smallest relative coupling that counts.
 pub(super) const THRESHOLD: f32 = 0.02;
@@ -18,12 +17,8 @@ pub(super) const COARSE_THRESHOLD: f32 = 0.005;
 /// Relative coupling of each stored block; zero on the diagonal and up to
 /// `threshold`.
 pub(super) fn couplings<const N: usize>(matrix: &BlockRows<f64, N, N>, threshold: f32) -> Vec<f32> {
-    let norms: Vec<f64> = matrix
-        .blocks
-        .par_iter()
-        .with_min_len(PIECE)
-        .map(norm)
-        .collect();
+    let norm_of = |k: usize| norm(&matrix.blocks[k]);
+    let norms = parallel::map(matrix.blocks.len(), PIECE, &norm_of);
     let diagonal: Vec<f64> = (0..matrix.rows())
         .map(|row| position_of_diagonal(matrix, row).map_or(0.0, |k| norms[k].sqrt()))
         .collect();
