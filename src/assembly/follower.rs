@@ -16,9 +16,8 @@
 //! 15 000 for the derivative, the latter in parallel over nodes, summed in the
 //! order of the faces.
 
+use crate::parallel;
 use std::f64::consts::TAU;
-
-use rayon::prelude::*;
 
 use super::load::shape_values;
 use crate::element::quadrature::{Simplex, rule};
@@ -288,7 +287,8 @@ pub fn follower_tangent(
     shares.sort_unstable();
     let at_nodes: Vec<_> = shares.chunk_by(|a, b| a.0 == b.0).collect();
     let c = body.space.components;
-    let rows = at_nodes.par_iter().map(|shares| {
+    let mut rows = parallel::map(at_nodes.len(), 1, &|place| {
+        let shares = at_nodes[place];
         let mut rows = NodeRows::default();
         for &(_, number, k) in shares.iter() {
             let face = &faces[number as usize];
@@ -297,12 +297,7 @@ pub fn follower_tangent(
         }
         (shares[0].0 as usize, rows)
     });
-    assemble(
-        body.space.displacement_unknowns(),
-        c,
-        held,
-        &mut rows.collect::<Vec<_>>(),
-    )
+    assemble(body.space.displacement_unknowns(), c, held, &mut rows)
 }
 
 /// Appends one face's part in the rows of a node.

@@ -5,13 +5,12 @@
 //! with their curved edges. Cost: one
 //! value of the function a point of the rule, in parallel over cells.
 
-use rayon::prelude::*;
-
 use super::cells::CellGeometry;
 use crate::element::quadrature::Rule;
 use crate::geometry::vector3::normalised;
 use crate::mesh::CurvedFacet;
 use crate::mesh::Mesh;
+use crate::parallel::{self, Pieces};
 use crate::space::TaylorHood;
 
 /// Node numbers and P2 hierarchical shape values of a simplex at a point with
@@ -194,8 +193,8 @@ impl Integral<'_> {
         for first in (0..volumes.len()).step_by(BLOCK) {
             let count = BLOCK.min(volumes.len() - first);
             let block = &mut local[..count * table.nodes()];
-            let cells = block.par_chunks_mut(table.nodes()).enumerate();
-            cells.for_each(|(index, sums)| {
+            let cells = Pieces::of(block, table.nodes());
+            parallel::each(cells, 1, &|index, sums| {
                 let cell = first + index;
                 sums.fill([0.0; 3]);
                 let density = |l: &[f64]| {

@@ -13,9 +13,9 @@ use crate::assembly::follower::shape_slopes;
 use crate::assembly::load::push_shape_values;
 use crate::element::quadrature::Rule;
 use crate::geometry::vector3::add;
-use crate::linalg::parallel::{self, Pieces};
 use crate::mesh::Mesh;
 use crate::obstacle::{Contact, Derivatives};
+use crate::parallel::{self, Pieces};
 use crate::space::TaylorHood;
 
 /// Fewer faces are not worth a second thread.
@@ -294,6 +294,21 @@ fn node_positions(body: &Deformed<'_>, face: &ContactFace) -> [[f64; 3]; NODES] 
 }
 
 impl Deformed<'_> {
+    /// Place of a vertex; of an edge that of its middle less the mean of its ends.
+    pub fn place(&self, node: usize) -> [f64; 3] {
+        let vertices = self.mesh.coordinates();
+        let rest = match vertices.get(node) {
+            Some(vertex) => *vertex,
+            None => self.mesh.offset_of(node - vertices.len()),
+        };
+        let first = node * self.space.components;
+        let moved = self.displacement.get(first..).unwrap_or(&[]);
+        let moved = moved.iter().take(self.space.components);
+        let mut place = rest.map(|x| self.scale * x);
+        place.iter_mut().zip(moved).for_each(|(x, u)| *x += u);
+        place
+    }
+
     /// Runs `kernel` on each of `faces`, in parallel where they are many; it fills
     /// the `size` numbers of its face, zero before, in the result `[faces, size]`.
     pub(super) fn on_faces(

@@ -8,8 +8,6 @@
 //! adds up its faces and their points in their order. Cost: (rule points) * (faces)
 //! distance evaluations.
 
-use rayon::prelude::*;
-
 use super::advancing::Advancing;
 use super::counterpart::Counterpart;
 pub use super::deformed::{Deformed, Measure};
@@ -18,6 +16,7 @@ use super::face::ContactFace;
 use super::surface::ContactSurface;
 use crate::geometry::vector3::{add, scale};
 use crate::obstacle::Derivatives;
+use crate::parallel;
 
 /// Fewer rows are not worth a second thread.
 const PARALLEL_ROWS: usize = 64;
@@ -252,8 +251,7 @@ impl ContactSurface {
                 own.iter().fold(sum, |sum, part| sum + part)
             })
         };
-        let rows = (0..self.carriers.len()).into_par_iter();
-        rows.with_min_len(PARALLEL_ROWS).map(gain).collect()
+        parallel::map(self.carriers.len(), PARALLEL_ROWS, &gain)
     }
 
     /// The rows of all multipliers, without what is `held`.
@@ -264,8 +262,7 @@ impl ContactSurface {
         held: &[bool],
     ) -> Vec<Vec<(u32, f64)>> {
         let row = |index: usize| self.row(index, table, numbers, (table.corners, held));
-        let rows = (0..self.carriers.len()).into_par_iter();
-        let rows = rows.with_min_len(PARALLEL_ROWS).map(row).collect();
+        let rows = parallel::map(self.carriers.len(), PARALLEL_ROWS, &row);
         self.shares.gather_rows(rows)
     }
 

@@ -18,7 +18,7 @@ const EDGES: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];
 
 /// A deformed face, or a part of one; in the plane the third corner and its edges are zero.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct QuadraticFace {
+pub(crate) struct QuadraticFace {
     corners: [[f64; 3]; 3],
     edges: [[f64; 3]; 3],
     /// Corners: 3 in space, 2 in the plane.
@@ -27,7 +27,7 @@ pub(super) struct QuadraticFace {
 
 impl QuadraticFace {
     /// `face` of `body`.
-    pub(super) fn of(body: &Deformed<'_>, face: &ContactFace) -> Self {
+    pub(crate) fn of(body: &Deformed<'_>, face: &ContactFace) -> Self {
         let count = face.corners.len();
         let moved = |node: u32| -> [f64; 3] {
             let first = node as usize * body.space.components;
@@ -55,7 +55,7 @@ impl QuadraticFace {
     }
 
     /// The point with barycentric coordinates `l`.
-    pub(super) fn at(&self, l: &[f64; 3]) -> [f64; 3] {
+    pub(crate) fn at(&self, l: &[f64; 3]) -> [f64; 3] {
         let mut place = [0.0; 3];
         for (corner, share) in self.corners.iter().zip(l) {
             (0..3).for_each(|i| place[i] += share * corner[i]);
@@ -68,7 +68,7 @@ impl QuadraticFace {
     }
 
     /// The part that is the face shrunk to `size` towards its point `middle`.
-    pub(super) fn around(&self, middle: &[f64; 3], size: f64) -> Self {
+    pub(crate) fn around(&self, middle: &[f64; 3], size: f64) -> Self {
         let mut corners = [[0.0; 3]; 3];
         for (a, corner) in corners.iter_mut().enumerate().take(self.count) {
             let own = std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 });
@@ -83,7 +83,7 @@ impl QuadraticFace {
 
     /// A distance that no point of the face is farther from `point` than: that of the farthest
     /// control point of its quadratic patch.
-    pub(super) fn reach(&self, point: [f64; 3]) -> f64 {
+    pub(crate) fn reach(&self, point: [f64; 3]) -> f64 {
         let corners = self.corners[..self.count].iter();
         let mut reach = corners.map(|&c| norm(sub(c, point))).fold(0.0, f64::max);
         let edges = self.edges.iter().zip(EDGES);
@@ -98,7 +98,7 @@ impl QuadraticFace {
 }
 
 /// The coordinates `l` shrunk to `size` towards `middle`.
-pub(super) fn towards(middle: &[f64; 3], size: f64, l: &[f64; 3]) -> [f64; 3] {
+pub(crate) fn towards(middle: &[f64; 3], size: f64, l: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| middle[i] + size * (l[i] - middle[i]))
 }
 

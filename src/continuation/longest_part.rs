@@ -12,7 +12,8 @@ use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::interfaces::{Interface, Role};
 use crate::model::state::State;
-use crate::model::travel::{March, least_distance, travel};
+use crate::model::travel::{least_distance, travel};
+use crate::proximity::path::March;
 
 /// Advance and depth, over the tool's radius, that are harmless.
 const HARMLESS: f64 = 0.5;

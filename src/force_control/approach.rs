@@ -9,10 +9,10 @@
 //! and a few dense problems.
 
 use super::gap_changes::gap_changes;
-use crate::contact::nearest::nearest;
 use crate::inequality::dense_cone;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::model::push::Control;
+use crate::proximity::faces;
 use crate::saddle::Status;
 use crate::sqp::contact_metric::evenly;
 use crate::sqp::program::QuadraticProgram;
@@ -126,7 +126,7 @@ fn advance(run: &mut Run<'_>, obstacle: usize, force: [f64; 3]) -> Option<f64> {
     for _ in 0..MOST_DISTANCES {
         let body = run.model.deformed(&run.state.displacement);
         let (interface, met) = run.model.placed(&run.state.drive).nth(obstacle)?;
-        let distances = nearest(&body, &interface.surface, met.obstacle()?);
+        let distances = faces::distances(&body, &interface.surface, met.obstacle()?);
         let distance = distances.into_iter().fold(f64::INFINITY, f64::min);
         if distance <= TOUCH {
             return Some(way);

@@ -12,7 +12,6 @@ mod gram;
 pub mod held;
 pub mod indefinite;
 pub mod ordering;
-pub mod parallel;
 #[cfg(test)]
 pub(crate) mod samples;
 pub mod scalar;

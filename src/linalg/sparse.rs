@@ -4,7 +4,7 @@
 //! sequential; it serves matrices with few rows.
 
 use super::{LinearOperator, Workspace};
-use crate::linalg::parallel::{self, Pieces};
+use crate::parallel::{self, Pieces};
 
 /// Rows shorter than this in total are not worth a second thread.
 const PARALLEL_ROWS: usize = 4096;

@@ -2,7 +2,7 @@
 //! a tree that depends on the length only: the same bits for every number of
 //! threads, and nothing allocated.
 
-use crate::linalg::parallel::{self, Pieces};
+use crate::parallel::{self, Pieces};
 
 /// Entries per block of a reduction.
 pub(crate) const BLOCK: usize = 4096;

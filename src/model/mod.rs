@@ -99,17 +99,7 @@ impl<'a> Model<'a> {
     /// Place of a vertex displaced by `displacement` `[displacement unknowns]`, hierarchical: of
     /// an edge that of its middle less the mean of its ends.
     pub(crate) fn place(&self, node: usize, displacement: &[f64]) -> [f64; 3] {
-        let vertices = self.mesh.coordinates();
-        let rest = match vertices.get(node) {
-            Some(vertex) => *vertex,
-            None => self.mesh.offset_of(node - vertices.len()),
-        };
-        let first = node * self.prepared.space.components;
-        let moved = displacement.get(first..).unwrap_or(&[]);
-        let moved = moved.iter().take(self.prepared.space.components);
-        let mut place = rest.map(|x| self.plan.problem.units.coordinate_scale * x);
-        place.iter_mut().zip(moved).for_each(|(x, u)| *x += u);
-        place
+        self.deformed(displacement).place(node)
     }
 
     /// The interfaces of frictional obstacles with the numbers of these, in the order of the

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use super::poses::{poses, some, with_middles};
 use super::surfaces::vertices_of;
 use super::units::ScaledMesh;
-use crate::obstacle::{Contact, Derivatives, Obstacle};
+use crate::proximity::points;
 use crate::scene::Step;
 use crate::scene::validate::ResolvedObstacle;
 
@@ -64,10 +64,8 @@ fn distances(
         |&vertex: &u32| mesh.coordinates()[vertex as usize].map(|x| x * units.coordinate_scale);
     let points: Vec<[f64; 3]> = vertices.iter().map(scaled).collect();
     let mut least = vec![f64::INFINITY; points.len()];
-    let mut found = vec![Contact::default(); points.len()];
     for pose in some(&with_middles(&poses(&obstacle.name, steps))) {
-        let placed = pose.of(obstacle, units);
-        placed.probe(&points, Derivatives::Gap, &mut found);
+        let found = points::contacts(&pose.of(obstacle, units), &points);
         let pairs = least.iter_mut().zip(&found);
         pairs.for_each(|(least, contact)| *least = least.min(contact.distance));
     }

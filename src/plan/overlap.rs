@@ -11,7 +11,8 @@ use std::fmt;
 use super::surfaces::vertices_of;
 use super::units::ScaledMesh;
 use crate::assembly::load::facet_measure;
-use crate::obstacle::{Contact, Derivatives};
+use crate::obstacle::Contact;
+use crate::proximity::points;
 use crate::scene::validate::{Faults, ResolvedObstacle};
 use crate::scene::{self, PenetrationPolicy, SceneError};
 
@@ -66,8 +67,7 @@ pub(super) fn overlap(
     let place = |&vertex: &u32| mesh.coordinates()[vertex as usize];
     let scaled = |vertex: &u32| place(vertex).map(|x| x * units.coordinate_scale);
     let points: Vec<[f64; 3]> = vertices.iter().map(scaled).collect();
-    let mut found = vec![Contact::default(); points.len()];
-    obstacle.shape.probe(&points, Derivatives::Gap, &mut found);
+    let found = points::contacts(&*obstacle.shape, &points);
     let is_deep = |one: &Contact| one.distance < -beyond;
     let inside = found.iter().filter(|one| is_deep(one)).count();
     let by_depth = |a: &(_, &Contact), b: &(_, &Contact)| a.1.distance.total_cmp(&b.1.distance);

@@ -2,19 +2,20 @@
 //! known of a tool.
 //!
 //! ```text
-//! least d over the way,   next pose as far on as d,   |x(s) - x(0)| <= s (|t1 - t0| + |r1 - r0| max |x - c - t|)
+//! least d over the path,   next pose as far on as d ([`crate::proximity::path`])
 //! ```
 //!
 //! d the least distance of the vertices that may touch, of the body at rest, in its lengths.
-//! Distances change by no more than what moves, so that nothing nearer lies between two poses.
 //! Cost: a distance a vertex for each of some poses, one of them where the tool begins at the body.
 
 use super::Units;
 use super::poses::Pose;
-use crate::geometry::vector3::{add, norm, sub};
+use crate::geometry::vector3::{norm, sub};
 use crate::geometry::{RigidMotion, rigid_motion};
+use crate::obstacle::Shape;
 use crate::obstacle::grid::Lattice;
-use crate::obstacle::{Contact, Derivatives, Obstacle, Shape};
+use crate::proximity::path::{self, March};
+use crate::proximity::points;
 use crate::scene::Step;
 use crate::scene::validate::ResolvedObstacle;
 
@@ -34,15 +35,16 @@ pub(super) fn away(
     if !is_led || !alone_decides(obstacle, steps) {
         return None;
     }
-    let distance = |pose: Pose| least_distance(obstacle, pose, (points, units));
+    let distance = |pose: Pose| points::least(&pose.of(obstacle, units), points);
     let mut least = f64::INFINITY;
     for pair in poses.windows(2) {
         let way = length([pair[0], pair[1]], obstacle, (points, units));
+        let mut march = March::new(way, SPACING * way, 1);
         let mut share = 0.0;
         while share < 1.0 && least > AWAY {
             let here = distance(pair[0].towards(pair[1], share));
             least = least.min(here);
-            share += (here / way).max(SPACING);
+            share = march.next(here).unwrap_or(1.0);
         }
     }
     let [first, last] = [poses.first()?, poses.last()?].map(|pose| distance(*pose));
@@ -63,33 +65,17 @@ fn alone_decides(obstacle: &ResolvedObstacle, steps: &[Step]) -> bool {
     !is_pushed && steps.iter().all(|step| step.supports.is_empty())
 }
 
-/// Least signed distance of the points in a pose.
-fn least_distance(
-    obstacle: &ResolvedObstacle,
-    pose: Pose,
-    (points, units): (&[[f64; 3]], &Units),
-) -> f64 {
-    let mut found = vec![Contact::default(); points.len()];
-    pose.of(obstacle, units)
-        .probe(points, Derivatives::Gap, &mut found);
-    let distances = found.iter().map(|contact| contact.distance);
-    distances.fold(f64::INFINITY, f64::min)
-}
-
-/// How far a point moves beside the tool at most from one pose to the other.
+/// Length of the path of a tool from one pose to the other.
 fn length(
-    [from, to]: [Pose; 2],
+    poses: [Pose; 2],
     obstacle: &ResolvedObstacle,
     (points, units): (&[[f64; 3]], &Units),
 ) -> f64 {
-    let [start, end] = [from, to].map(|pose| pose.translation.map(|x| x / units.length));
-    let turn = norm(sub(to.rotation, from.rotation));
-    let reach = |shift: [f64; 3]| {
-        let centre = add(obstacle.shape.reference_point(), shift);
+    let motions = poses.map(|pose| pose.of(obstacle, units).motion());
+    path::length(motions, |centre| {
         let reaches = points.iter().map(|&point| norm(sub(point, centre)));
         reaches.fold(0.0, f64::max)
-    };
-    norm(sub(end, start)) + turn * reach(start).max(reach(end))
+    })
 }
 
 /// Vertices beside the nodes of a tool that is known at nodes only, and goes on beyond them;

@@ -16,7 +16,8 @@ use super::units::ScaledMesh;
 use super::{Units, doubts, reach};
 use crate::geometry::vector3::{norm, sub};
 use crate::mesh::Mesh;
-use crate::obstacle::{Contact, Derivatives, Obstacle, larger_curvature};
+use crate::obstacle::{Obstacle, larger_curvature};
+use crate::proximity::points;
 use crate::scene::validate::ResolvedObstacle;
 use crate::scene::{self, Step};
 
@@ -120,12 +121,9 @@ fn deepest(
     (points, units): (&[[f64; 3]], &Units),
 ) -> Option<(f64, f64)> {
     let moved = pose.of(obstacle, units);
-    let mut found = vec![Contact::default(); points.len()];
-    moved.probe(points, Derivatives::Gap, &mut found);
-    let by_depth = |a: &(_, &Contact), b: &(_, &Contact)| a.1.distance.total_cmp(&b.1.distance);
-    let (point, contact) = points.iter().zip(&found).min_by(by_depth)?;
-    let depth = -contact.distance;
-    let bent = moved.distance(*point).curvature;
+    let (point, distance) = points::nearest(&moved, points)?;
+    let depth = -distance;
+    let bent = moved.distance(points[point]).curvature;
     let largest = larger_curvature(&bent);
     // That of the surface outside the point.
     (depth > TOUCH && largest > 0.0).then(|| (depth, 1.0 / largest + depth))

@@ -4,7 +4,7 @@
 //! Blocks of held components must carry the identity there, as the operator
 //! does; otherwise the largest eigenvalue grows several times.
 
-use crate::linalg::parallel::{self, Pieces};
+use crate::parallel::{self, Pieces};
 use std::collections::BTreeMap;
 
 use crate::linalg::{Preconditioner, Scalar, Workspace};

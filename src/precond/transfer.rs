@@ -11,7 +11,7 @@
 //! from their edges in ascending order, edges from their ends: parallel, with
 //! bits that do not depend on the number of threads. Cost: one sweep each.
 
-use crate::linalg::parallel::{self, Pieces};
+use crate::parallel::{self, Pieces};
 use std::sync::Arc;
 
 use crate::linalg::{Held, Scalar};

@@ -15,8 +15,6 @@
 //! of A11^-1 P^T b only what contact sees is kept. Cost: one P1 solve a mode, some at a time,
 //! and m^3 / 3 flops for m modes.
 
-use rayon::prelude::*;
-
 use super::NodeBlocks;
 use super::p1::Traces;
 use crate::linalg::vector::dot;
@@ -24,6 +22,7 @@ use crate::linalg::{
     DenseMatrix, GramFactor, LinearOperator, Preconditioner, SparseRows, SparseRowsBuilder,
     Workspace,
 };
+use crate::parallel::{self, Scratch};
 
 /// Least s over b^T Y b: a P1 factor in single precision knows the difference no better.
 const FLOOR: f64 = 1e-5;
@@ -97,12 +96,11 @@ impl VolumeModes {
             slacks,
         };
         let modes: Vec<usize> = (0..pressures.rows()).collect();
-        let panels: Vec<Vec<Column>> = modes
-            .par_chunks(PANEL)
-            .map_init(Workspace::new, |work, panel| {
-                flexibility.columns(panel, (&loads, &nodal_part, &pressures), work)
-            })
-            .collect();
+        let scratch = Scratch::new(&Workspace::new);
+        let panels: Vec<Vec<Column>> = parallel::map(modes.len().div_ceil(PANEL), 1, &|k| {
+            let panel = &modes[k * PANEL..modes.len().min((k + 1) * PANEL)];
+            scratch.lend(|work| flexibility.columns(panel, (&loads, &nodal_part, &pressures), work))
+        });
         let mut work = DenseMatrix::zeros(modes.len(), modes.len());
         let mut p1_part = Vec::with_capacity(modes.len());
         for (mode, column) in panels.into_iter().flatten().enumerate() {

@@ -7,8 +7,6 @@
 //! in the caller's units, the field taken at the load factor reached. Cost: one pass over
 //! the cells with some hundred points each.
 
-use rayon::prelude::*;
-
 use crate::element::manufactured::Manufactured;
 use crate::element::quadrature::{Rule, rule};
 use crate::geometry::Matrix3;
@@ -17,6 +15,7 @@ use crate::model::Model;
 use crate::model::loads::{MANUFACTURED_DEGREE, simplices};
 use crate::model::state::State;
 use crate::model::values::{displacement_at, gradient_at};
+use crate::parallel;
 use crate::report::ManufacturedErrors;
 use crate::results::estimate::moduli;
 
@@ -88,10 +87,9 @@ pub(crate) fn manufactured_errors(
     let degree = model.plan.problem.settings.quadrature_degree;
     let (simplex, _) = simplices(model.plan.problem.units.dimension);
     let rule = rule(simplex, degree.unwrap_or(MANUFACTURED_DEGREE));
-    let cells: Vec<[f64; 5]> = (0..model.prepared.geometry.cells())
-        .into_par_iter()
-        .map(|cell| cell_squares(model, state, field, &rule, cell))
-        .collect();
+    let cells = parallel::map(model.prepared.geometry.cells(), 1, &|cell| {
+        cell_squares(model, state, field, &rule, cell)
+    });
     let sum = |k: usize| cells.iter().map(|squares| squares[k]).sum::<f64>().sqrt();
     ManufacturedErrors {
         displacement_l2: sum(0),

@@ -19,7 +19,6 @@ pub(crate) mod geometry_error;
 pub(crate) mod nodal_force;
 pub(crate) mod passage;
 pub(crate) mod step;
-pub(crate) mod swallowed;
 pub(crate) mod touch;
 pub(crate) mod touching;
 pub(crate) mod warnings;

@@ -14,7 +14,8 @@ use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::interfaces::{Interface, Role};
 use crate::model::state::{Start, State};
-use crate::model::travel::{March, least_distance, travel};
+use crate::model::travel::{least_distance, travel};
+use crate::proximity::path::March;
 use crate::report::{Warning, WarningKind};
 
 /// Depth over the length of the body from which on an obstacle is inside it.

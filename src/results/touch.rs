@@ -9,13 +9,12 @@
 //!
 //! above that of any tool which fits into a face. Cost: 45 distances a face in space.
 
-use crate::contact::nearest::nearest;
 use crate::model::Model;
 use crate::model::interfaces::Interface;
 use crate::model::state::State;
 use crate::obstacle::Obstacle;
+use crate::proximity::{cells, faces};
 use crate::results::estimate::{contact_modulus, punch_stiffness};
-use crate::results::swallowed::{cells_beside, depth_inside, depth_where_held};
 
 /// Depth over the size of a face from which on contact between its points was missed.
 const MISSED: f64 = 1e-3;
@@ -52,9 +51,9 @@ impl<'t> Touch<'t> {
         let met = model.placed(&state.drive).filter_map(|(interface, met)| {
             let obstacle = met.obstacle()?;
             let acts = acts(interface, state);
-            let distances = nearest(&body, &interface.surface, obstacle);
-            let cells = if acts.contains(&true) {
-                cells_beside(model, &interface.surface)
+            let distances = faces::distances(&body, &interface.surface, obstacle);
+            let searched = if acts.contains(&true) {
+                cells::beside(model.mesh, &interface.surface)
             } else {
                 (0..model.mesh.cell_count()).collect()
             };
@@ -63,8 +62,12 @@ impl<'t> Touch<'t> {
                 interface,
                 distances,
                 is_curved: !obstacle.is_flat(),
-                inside: depth_inside(model, state, (obstacle, &cells), nearest),
-                held_inside: depth_where_held(model, state, (obstacle, &interface.surface)),
+                inside: cells::depth_inside(&body, (obstacle, &searched), nearest),
+                held_inside: cells::depth_where_held(
+                    &body,
+                    &model.prepared.is_held,
+                    (obstacle, &interface.surface),
+                ),
                 acts,
                 dimension: model.plan.problem.units.dimension,
             })

@@ -72,7 +72,7 @@ pub(crate) fn warnings(
         } else {
             all.extend(untouched(model, (start, touch)));
             let way = || passed(model, (start, state), interface);
-            all.extend(swallowed(model, touch).or_else(way));
+            all.extend(interior_penetration(model, touch).or_else(way));
         }
         all.extend(coarse(model, state, touch));
     }
@@ -145,7 +145,7 @@ fn held_inside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
 }
 
 /// An obstacle that lies inside the body and presses nowhere.
-fn swallowed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
+fn interior_penetration(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
     let is_felt = touch.overlap() > 0.0;
     (touch.inside > SWALLOWED && !is_felt).then(|| {
         let (name, depth) = (&touch.interface.name, touch.inside * model.plan.problem.units.length);

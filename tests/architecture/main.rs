@@ -21,28 +21,43 @@ use modules::Tree;
 /// Module and what it may import, besides itself.
 const ROOMS: &[(&str, &[&str])] = &[
     ("report", &[]),
-    ("linalg", &[]),
+    ("parallel", &[]),
+    ("linalg", &["parallel"]),
     ("geometry", &[]),
-    ("precond", &["linalg", "report"]),
-    ("krylov", &["linalg", "precond", "report"]),
-    ("saddle", &["linalg", "precond", "krylov", "report"]),
+    ("precond", &["parallel", "linalg", "report"]),
+    ("krylov", &["parallel", "linalg", "precond", "report"]),
+    (
+        "saddle",
+        &["parallel", "linalg", "precond", "krylov", "report"],
+    ),
     (
         "inequality",
-        &["linalg", "precond", "krylov", "saddle", "report"],
+        &[
+            "parallel", "linalg", "precond", "krylov", "saddle", "report",
+        ],
     ),
     ("element", &["geometry"]),
     ("mesh", &["element", "geometry"]),
     ("space", &["mesh", "element", "linalg", "geometry"]),
     ("material", &["geometry"]),
-    ("obstacle", &["geometry"]),
+    ("obstacle", &["parallel", "geometry"]),
     (
         "assembly",
-        &["space", "material", "linalg", "mesh", "element", "geometry"],
+        &[
+            "parallel", "space", "material", "linalg", "mesh", "element", "geometry",
+        ],
     ),
     (
         "contact",
         &[
-            "space", "obstacle", "linalg", "assembly", "mesh", "element", "geometry",
+            "parallel", "space", "obstacle", "linalg", "assembly", "mesh", "element", "geometry",
+        ],
+    ),
+    (
+        "proximity",
+        &[
+            "parallel", "contact", "space", "obstacle", "linalg", "assembly", "mesh", "element",
+            "geometry",
         ],
     ),
 ];

@@ -4,7 +4,7 @@
 use crate::assembly::simd;
 use crate::assembly::transpose::Row;
 use crate::linalg::Scalar;
-use crate::linalg::parallel::{self, Pieces};
+use crate::parallel::{self, Pieces};
 
 /// Copies between asking for one and reading it.
 const AHEAD: usize = 24;

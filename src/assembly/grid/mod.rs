@@ -10,7 +10,7 @@ mod block;
 mod copies;
 mod single;
 
-use crate::linalg::parallel::{self, Pieces};
+use crate::parallel::{self, Pieces};
 use std::sync::Arc;
 
 use super::kernel::{Batch, PRESSURE};

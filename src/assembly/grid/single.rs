@@ -2,9 +2,8 @@
 //! time. Nodes, ends of edges and held entries are those of the grid in double precision; cells
 //! and order of sums are the same. Memory: 72 bytes a tetrahedron.
 
+use crate::parallel;
 use std::sync::Arc;
-
-use rayon::prelude::*;
 
 use super::{Basis, CellGrid, Grid, Rows};
 use crate::assembly::kernel::Batch;
@@ -65,11 +64,10 @@ impl SingleGrid {
 
 impl<const V: usize, const D: usize, const E: usize> SingleCells<V, D, E> {
     pub(in crate::assembly) fn new(grid: &Arc<CellGrid<V, D, E>>) -> Self {
-        let blocks = grid.blocks.par_iter();
         let of_block = |batches: &[Batch<V, D, E>]| batches.chunks(PAIR).map(joined).collect();
         Self {
             grid: grid.clone(),
-            blocks: blocks.map(|block| of_block(&block.batches)).collect(),
+            blocks: parallel::map(grid.blocks.len(), 1, &|k| of_block(&grid.blocks[k].batches)),
         }
     }
 

@@ -27,8 +27,8 @@ mod strain;
 
 use super::cells::CellGeometry;
 use crate::element::quadrature::{Simplex, rule};
-use crate::linalg::parallel;
 use crate::mesh::Mesh;
+use crate::parallel;
 use crate::space::TaylorHood;
 use fit::{Fit, Quadratic};
 use sites::Sites;

@@ -5,14 +5,13 @@
 //! eps(u_h) is linear in a straight cell: its values at the corners tell all. In a curved one they
 //! stand for it.
 
-use rayon::prelude::*;
-
 use super::Recovery;
 use super::fit::Quadratic;
 use crate::assembly::load::shape_values;
 use crate::element::curved_cell::CurvedCell;
 use crate::element::quadrature::{Simplex, rule};
 use crate::geometry::Matrix3;
+use crate::parallel;
 
 /// Strains at the nodes of a cell: corners, then edge midpoints.
 pub(super) struct NodeStrains<const V: usize, const E: usize, const S: usize> {
@@ -44,10 +43,8 @@ impl<'a, const D: usize, const V: usize, const E: usize, const S: usize> Cells<'
             problem,
             strains: Vec::new(),
         };
-        cells.strains = (0..problem.geometry.cells())
-            .into_par_iter()
-            .map(|cell| cells.at_corners(cell))
-            .collect();
+        let count = problem.geometry.cells();
+        cells.strains = parallel::map(count, 1, &|cell| cells.at_corners(cell));
         cells
     }
 

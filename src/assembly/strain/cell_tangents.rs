@@ -10,8 +10,6 @@
 //! One point a cell is enough there: the tangent varies over a cell by what its
 //! size leaves. 360 bytes and nine tangent products a cell; cells in parallel.
 
-use rayon::prelude::*;
-
 use super::cells::CellLaws;
 use crate::assembly::CellGeometry;
 use crate::assembly::kernel::SYMMETRIC_ENTRIES;
@@ -19,6 +17,7 @@ use crate::assembly::p1_stiffness::{Block, CellStiffness};
 use crate::geometry::tensor::{Tensor, cross, product, volume_change};
 use crate::material::{Deformation, Rubber};
 use crate::mesh::Mesh;
+use crate::parallel;
 use crate::space::TaylorHood;
 
 /// A state of the body.
@@ -60,9 +59,9 @@ impl CellTangents {
         let cells = 0..states.mesh.cell_count();
         let law = |cell: usize| &states.laws.laws[usize::from(states.laws.of_cell[cell])];
         Self {
-            tensors: (cells.clone().into_par_iter())
-                .map(|cell| states.tangent(cell, law(cell), volumetric))
-                .collect(),
+            tensors: parallel::map(cells.len(), 1, &|cell| {
+                states.tangent(cell, law(cell), volumetric)
+            }),
             shear: cells.map(|cell| law(cell).shear_modulus()).collect(),
             hoops: (states.geometry.radii.iter())
                 .map(|radius| 1.0 / (3.0 * radius))

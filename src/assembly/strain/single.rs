@@ -3,9 +3,6 @@
 //! leaves. Tetrahedra. Memory: 250 bytes a cell. Cost of a product: some twice the linear one in
 //! single precision.
 
-use pulp::Simd;
-use rayon::prelude::*;
-
 use super::cell_tangents::CellTangents;
 use crate::assembly::grid::{Basis, Grid, SingleCells};
 use crate::assembly::kernel::{Batch, Element, Kernel, SYMMETRIC_ENTRIES};
@@ -15,6 +12,8 @@ use crate::assembly::simd::{BatchPass, prefetch_at};
 use crate::assembly::transpose::{Row, Transpose};
 use crate::linalg::{Held, ResidualUpdate, Workspace};
 use crate::mesh::Mesh;
+use crate::parallel;
+use pulp::Simd;
 
 /// A batch in single precision.
 type SingleBatch = Batch<4, 3, 6, f32, SINGLE_WIDTH>;
@@ -45,13 +44,13 @@ impl SingleTangent {
         };
         let cells = SingleCells::new(grid);
         let blocks = blocks_of_cells(mesh);
-        let of_block = |(index, block): (usize, &Vec<u32>)| {
-            let batches = block.chunks(SINGLE_WIDTH).zip(cells.batches(index));
+        let of_block = |index: usize| {
+            let batches = blocks[index].chunks(SINGLE_WIDTH).zip(cells.batches(index));
             let tensors = batches.map(|(batch, geometry)| tensors_of(batch, geometry, tangents));
             tensors.collect()
         };
         Some(Self {
-            tensors: blocks.par_iter().enumerate().map(of_block).collect(),
+            tensors: parallel::map(blocks.len(), 1, &of_block),
             cells,
             basis,
             held,

@@ -2,11 +2,10 @@
 //! fine triangulation do: their neighbours are listed once, and two rings around one of them
 //! are the neighbours of its neighbours, without a search. Cost: a walk around each vertex.
 
-use rayon::prelude::*;
-
 use super::flats::{Flats, is_like};
 use super::rings::Rings;
 use super::topology::Facets;
+use crate::parallel;
 
 /// Facets that a fit looks at, at most: fans of many more show nothing new.
 pub(super) const MOST: usize = 512;
@@ -38,11 +37,10 @@ impl<'a> Around<'a> {
                 })
             })
         };
-        let vertices = (0..rings.vertices()).into_par_iter();
         Self {
             rings,
             neighbours: rings.behind(&facets.corners),
-            areas: vertices.map(areas).collect(),
+            areas: parallel::map(rings.vertices(), 1, &areas),
         }
     }
 

@@ -16,9 +16,8 @@
 //! around discs some levels below, which is little wider and does not read all facets again on
 //! every level. Cost: one pass over the facets for each of the last levels.
 
-use rayon::prelude::*;
-
 use crate::geometry::vector3::{add, cross, dot, norm, normalised, sub};
+use crate::parallel::{self, Pieces};
 
 /// By how much discs are widened: above all rounding of coordinates of about one.
 const SLACK: f64 = 1e-6;
@@ -257,14 +256,13 @@ where
 {
     let levels = leaves.ilog2();
     let mut discs = vec![BoundingDisc::default(); 2 * leaves];
-    let last = (leaves..2 * leaves).into_par_iter();
-    let mut pieces: Vec<Piece> = last.map(|node| Piece::of(facets(node))).collect();
+    let mut pieces = parallel::map(leaves, 1, &|leaf| Piece::of(facets(leaves + leaf)));
     for level in (0..=levels).rev() {
         let first = 1 << level;
         let (upper, lower) = discs.split_at_mut(2 * first);
-        let nodes = upper[first..].par_iter_mut().zip(&pieces).enumerate();
-        nodes.for_each(|(place, (disc, piece))| {
-            *disc = match levels - level {
+        parallel::each(Pieces::of(&mut upper[first..], 1), 1, &|place, disc| {
+            let piece = &pieces[place];
+            disc[0] = match levels - level {
                 apart if apart < LAST => BoundingDisc::around(piece, facets(first + place)),
                 apart => BoundingDisc::around_discs(
                     piece,
@@ -272,8 +270,8 @@ where
                 ),
             };
         });
-        let pairs = pieces.as_chunks::<2>().0.par_iter();
-        pieces = pairs.map(|[left, right]| left.with(right)).collect();
+        let pairs = pieces.as_chunks::<2>().0;
+        pieces = parallel::map(pairs.len(), 1, &|k| pairs[k][0].with(&pairs[k][1]));
     }
     discs
 }

@@ -1,6 +1,6 @@
 //! What keeps a triangulation from being the surface of a solid, each fault with its facet.
 
-use rayon::prelude::*;
+use crate::parallel;
 use thiserror::Error;
 
 use super::rings::sorted_by_vertex;
@@ -100,14 +100,11 @@ pub(super) fn facets(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Result<(), S
     if facets.len() >= limit as usize || vertices.len() >= limit as usize {
         return Err(SurfaceError::TooLarge { limit });
     }
-    if let Some(vertex) = vertices
-        .par_iter()
-        .position_first(|place| !is_finite(*place))
-    {
+    if let Some(vertex) = vertices.iter().position(|place| !is_finite(*place)) {
         return Err(SurfaceError::NotFinite { vertex });
     }
     let one = |(index, corners)| one_facet(vertices.len(), index, corners).err();
-    match facets.par_iter().enumerate().find_map_first(one) {
+    match facets.iter().enumerate().find_map(one) {
         Some(fault) => Err(fault),
         None => Ok(()),
     }
@@ -130,7 +127,7 @@ fn duplicate(facets: &[[u32; 3]], vertices: usize) -> Option<usize> {
     };
     let keys = facets.iter().enumerate().map(keyed);
     let keys = sorted_by_vertex(keys, vertices, |(corners, _)| corners[0]);
-    let twice = keys.par_windows(2).filter(|pair| pair[0].0 == pair[1].0);
+    let twice = keys.windows(2).filter(|pair| pair[0].0 == pair[1].0);
     twice.map(|pair| pair[1].1 as usize).min()
 }
 
@@ -165,8 +162,10 @@ pub(super) fn orientation(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Result<
         dot(a, cross(b, c))
     };
     // Parts of a size, so that the sum does not depend on the threads.
-    let parts = facets.par_chunks(PART);
-    let sums: Vec<f64> = parts.map(|part| part.iter().map(volume).sum()).collect();
+    let sums = parallel::map(facets.len().div_ceil(PART), 1, &|k| {
+        let part = &facets[k * PART..facets.len().min((k + 1) * PART)];
+        part.iter().map(volume).sum::<f64>()
+    });
     if sums.iter().sum::<f64>() > 0.0 {
         Ok(())
     } else {

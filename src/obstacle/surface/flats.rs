@@ -3,6 +3,7 @@
 //! cylinder beside that of its rim. There the curvature jumps: vertices of the one say nothing of
 //! the other, and the normal at the border is that of the large one.
 
+use crate::parallel;
 use rayon::prelude::*;
 
 use super::TriangulatedSurface;
@@ -28,10 +29,9 @@ impl Flats {
     pub(super) fn new(surface: &TriangulatedSurface, flat: &[[f64; 3]]) -> Self {
         let largest = surface.vertices().as_flattened().iter();
         let rounding = ROUNDING * largest.fold(0.0_f64, |most, x| most.max(x.abs()));
-        let sizes: Vec<(f64, f64)> = (0..flat.len())
-            .into_par_iter()
-            .map(|facet| sizes(surface.corners(facet), rounding))
-            .collect();
+        let sizes = parallel::map(flat.len(), 1, &|facet| {
+            sizes(surface.corners(facet), rounding)
+        });
         let is_one = |facet: usize, other: usize| {
             let turned = norm(sub(flat[facet], flat[other]));
             turned <= IN_PLANE + sizes[facet].1 + sizes[other].1

@@ -1,6 +1,7 @@
 //! The patches over a triangulation with all that a search for their nearest points needs, in
 //! units of about the surface's size, whatever its scale as a tool: made once for all tools.
 
+use crate::parallel;
 use rayon::prelude::*;
 
 use super::bending::curvature;
@@ -86,19 +87,15 @@ impl Geometry {
         let turns = normals::turns(surface, &flat);
         let unit = surface.diagonal().log2().ceil().exp2();
         let places = |facet: usize| surface.corners(facet).map(|place| place.map(|x| x / unit));
-        let all: Vec<[[f64; 3]; 3]> = (0..flat.len()).into_par_iter().map(places).collect();
+        let all: Vec<[[f64; 3]; 3]> = parallel::map(flat.len(), 1, &places);
         let order = tree::order(&all);
-        let facet = |&facet: &u32| facet as usize;
-        let patches: Vec<Patch> = order
-            .par_iter()
-            .map(|at| patch(all[facet(at)], &corners.normals[facet(at)]))
-            .collect();
-        let features: Vec<[bool; 3]> = order.par_iter().map(|at| features[facet(at)]).collect();
+        let facet = |place: usize| order[place] as usize;
+        let patches: Vec<Patch> = parallel::map(order.len(), 1, &|at| {
+            patch(all[facet(at)], &corners.normals[facet(at)])
+        });
+        let features = parallel::map(order.len(), 1, &|at| features[facet(at)]);
         // In the order of the tree: it is read level by level.
-        let facing = order
-            .par_iter()
-            .map(|at| (flat[facet(at)], turns[facet(at)]));
-        let facing: Vec<([f64; 3], f64)> = facing.collect();
+        let facing = parallel::map(order.len(), 1, &|at| (flat[facet(at)], turns[facet(at)]));
         let mut geometry = Self {
             unit,
             searched: Searched {
@@ -110,7 +107,7 @@ impl Geometry {
                 }),
                 patches,
             },
-            is_smooth: !corners.are_uneven && features.par_iter().all(|edges| *edges == [false; 3]),
+            is_smooth: !corners.are_uneven && features.iter().all(|edges| *edges == [false; 3]),
             features,
             ball: None,
             sharpest: None,

@@ -4,8 +4,6 @@
 //! them: there the normal is the mean of the large flats' by the squares of their areas, and fits
 //! beside it look at the small ones only. Cost: one fit a vertex and side of a feature.
 
-use rayon::prelude::*;
-
 use super::TriangulatedSurface;
 use super::around::{Around, MOST};
 use super::fit;
@@ -13,6 +11,7 @@ use super::flats::Flats;
 use super::rings::Rings;
 use super::topology::edge;
 use crate::geometry::vector3::{add, cross, dot, norm, normalised, scale, sub};
+use crate::parallel;
 
 /// Facets around a corner whose normals are compared, at most.
 const MOST_AROUND: usize = 64;
@@ -25,10 +24,7 @@ pub(super) fn flat(surface: &TriangulatedSurface) -> Vec<[f64; 3]> {
         let [a, b, c] = surface.corners(facet);
         normalised(cross(sub(b, a), sub(c, a))).unwrap_or_default()
     };
-    (0..surface.facets().len())
-        .into_par_iter()
-        .map(normal)
-        .collect()
+    parallel::map(surface.facets().len(), 1, &normal)
 }
 
 /// Whether the edge opposite each corner is a feature: its facets meet at more than `angle`.
@@ -38,11 +34,10 @@ pub(super) fn features(
     angle: f64,
 ) -> Vec<[bool; 3]> {
     let least = angle.cos();
-    let of_facet = |(facet, across): (usize, &[u32; 3])| {
-        across.map(|other| dot(flat[facet], flat[other as usize]) < least)
-    };
-    let across = surface.linked.across.par_iter();
-    across.enumerate().map(of_facet).collect()
+    let across = &surface.linked.across;
+    let of_facet =
+        |facet: usize| across[facet].map(|other| dot(flat[facet], flat[other as usize]) < least);
+    parallel::map(across.len(), 1, &of_facet)
 }
 
 /// Largest difference of the normal of each facet from those of the facets at its corners.
@@ -62,8 +57,7 @@ pub(super) fn turns(surface: &TriangulatedSurface, flat: &[[f64; 3]]) -> Vec<f64
         let squares = [0, 1, 2].map(|corner| at_corner(facet, corner));
         squares.into_iter().fold(0.0, f64::max).sqrt()
     };
-    let facets = (0..flat.len()).into_par_iter();
-    facets.map(of_facet).collect()
+    parallel::map(flat.len(), 1, &of_facet)
 }
 
 /// Normals at the corners of all facets.
@@ -81,7 +75,6 @@ pub(super) fn corners(
 ) -> Corners {
     let rings = Rings::new(surface.facets(), surface.vertices().len());
     let fitter = Fitter::new(surface, (flat, features), &rings);
-    let blocks = (0..rings.vertices().div_ceil(VERTICES)).into_par_iter();
     let of_block = |block: usize| {
         let vertices = block * VERTICES..rings.vertices().min((block + 1) * VERTICES);
         let mut normals = Vec::with_capacity(8 * VERTICES);
@@ -91,16 +84,16 @@ pub(super) fn corners(
         }
         (normals, are_uneven)
     };
-    let blocks: Vec<(Vec<[f64; 3]>, bool)> = blocks.map(of_block).collect();
+    let blocks = parallel::map(rings.vertices().div_ceil(VERTICES), 1, &of_block);
     let are_uneven = blocks.iter().any(|(_, are_uneven)| *are_uneven);
     let normals: Vec<[f64; 3]> = blocks
         .into_iter()
         .flat_map(|(normals, _)| normals)
         .collect();
-    let places = rings.places.par_iter();
-    let at_corners = places.map(|places| places.map(|place| normals[place as usize]));
+    let places = &rings.places;
+    let at_corner = |facet: usize| places[facet].map(|place| normals[place as usize]);
     Corners {
-        normals: at_corners.collect(),
+        normals: parallel::map(places.len(), 1, &at_corner),
         are_uneven,
     }
 }

@@ -2,6 +2,7 @@
 //! vertices, sorted by them: counted into the places of its vertex, then the few of each among
 //! themselves, in parallel. Cost: two passes over all, and a number a vertex.
 
+use crate::parallel;
 use rayon::prelude::*;
 
 /// Vertices that a thread takes at a time.
@@ -95,8 +96,12 @@ pub(super) fn across(corners: &[[u32; 3]], rings: &Rings) -> Option<Vec<[u32; 3]
             _ => None,
         }
     };
-    let of_facet = |&[a, b, c]: &[u32; 3]| Some([mate(b, c)?, mate(c, a)?, mate(a, b)?]);
-    corners.par_iter().map(of_facet).collect()
+    let of_facet = |facet: usize| {
+        let [a, b, c] = corners[facet];
+        Some([mate(b, c)?, mate(c, a)?, mate(a, b)?])
+    };
+    let found = parallel::map(corners.len(), 1, &of_facet);
+    found.into_iter().collect()
 }
 
 /// Sorts what belongs to vertices, the `first` of which is what it is sorted by first: by vertex

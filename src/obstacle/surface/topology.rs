@@ -1,10 +1,9 @@
 //! Which facets meet where.
 
-use rayon::prelude::*;
-
 use super::SurfaceError;
 use super::checks;
 use super::rings::{self, Rings, sorted_by_vertex};
+use crate::parallel;
 
 /// Ends of the edge opposite a corner, in the facet's direction.
 pub(super) fn edge(corners: [u32; 3], opposite: usize) -> (u32, u32) {
@@ -47,7 +46,7 @@ pub(super) fn linked(corners: Vec<[u32; 3]>, vertices: usize) -> Result<Facets, 
     let found = rings::across(&corners, &Rings::new(&corners, vertices));
     // Two facets with the same corners have each other across every edge.
     let is_twice = |across: &[u32; 3]| across[0] == across[1] && across[1] == across[2];
-    match found.filter(|across| !across.par_iter().any(is_twice)) {
+    match found.filter(|across| !across.iter().any(is_twice)) {
         Some(across) => Ok(Facets { corners, across }),
         None => by_sorting(corners, vertices),
     }
@@ -59,7 +58,7 @@ pub(super) fn by_sorting(corners: Vec<[u32; 3]>, vertices: usize) -> Result<Face
     checks::none_twice(&corners, vertices)?;
     let all = corners.iter().enumerate().flat_map(sides);
     let sides = sorted_by_vertex(all, vertices, |side| side.ends.0);
-    let groups = || sides.par_chunk_by(|a, b| a.ends == b.ends);
+    let groups = || sides.chunk_by(|a, b| a.ends == b.ends);
     if let Some(fault) = groups().filter_map(fault).min() {
         return Err(named(fault, &corners));
     }
@@ -143,14 +142,12 @@ impl Facets {
         for (place, &facet) in order.iter().enumerate() {
             places[facet as usize] = place as u32;
         }
-        let of = |&facet: &u32| facet as usize;
-        let corners = order.par_iter().map(|facet| self.corners[of(facet)]);
-        let across = order
-            .par_iter()
-            .map(|facet| self.across[of(facet)].map(|other| places[other as usize]));
+        let of = |place: usize| order[place] as usize;
         Self {
-            corners: corners.collect(),
-            across: across.collect(),
+            corners: parallel::map(order.len(), 1, &|place| self.corners[of(place)]),
+            across: parallel::map(order.len(), 1, &|place| {
+                self.across[of(place)].map(|other| places[other as usize])
+            }),
         }
     }
 }

@@ -11,11 +11,10 @@
 //! as they are apart, are found once. Coordinates are about one. Cost: n log n to build; some
 //! hundred discs and 10 facets a search, a third of it for points beside each other.
 
-use rayon::prelude::*;
-
 use super::bounding_disc::{BoundingDisc, Flat, of_tree};
 use super::triangle::{Place, nearest};
 use crate::geometry::vector3::{add, scale};
+use crate::parallel;
 
 /// Facets of a leaf at most.
 const LEAF: usize = 4;
@@ -67,13 +66,16 @@ struct Middle {
 
 /// The order of the facets in which a tree takes them.
 pub(super) fn order(corners: &[[[f64; 3]; 3]]) -> Vec<u32> {
-    let middle = |(facet, [a, b, c]): (usize, &[[f64; 3]; 3])| Middle {
-        place: scale(1.0 / 3.0, add(*a, add(*b, *c))),
-        facet: facet as u32,
+    let middle = |facet: usize| {
+        let [a, b, c] = corners[facet];
+        Middle {
+            place: scale(1.0 / 3.0, add(a, add(b, c))),
+            facet: facet as u32,
+        }
     };
-    let mut middles: Vec<Middle> = corners.par_iter().enumerate().map(middle).collect();
+    let mut middles = parallel::map(corners.len(), 1, &middle);
     halve(&mut middles, levels(corners.len()));
-    middles.par_iter().map(|middle| middle.facet).collect()
+    middles.iter().map(|middle| middle.facet).collect()
 }
 
 /// Halvings until leaves are small enough.

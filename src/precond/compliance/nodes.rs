@@ -1,10 +1,9 @@
 //! The part of nodes that move alone: C D^-1 C^T, D their blocks.
 
-use rayon::prelude::*;
-
 use super::ComplianceParts;
 use crate::linalg::vector::dot;
 use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder};
+use crate::parallel::{self, Scratch};
 
 /// What each row does at one node that moves alone, in the Lagrange basis: rows ascending.
 pub(super) type AtNode = Vec<(usize, [f64; 3])>;
@@ -99,30 +98,26 @@ pub(super) fn of_nodes(
             touched_by[row].push((place, a));
         }
     }
-    let moved: Vec<AtNode> = touching
-        .par_iter()
-        .map(|(node, touched)| {
-            let own = parts.node_blocks.block(*node as usize);
-            let mut moved: AtNode = Vec::new();
-            let mut add = |block: &[f64; 9], touched: &AtNode| {
-                moved.extend(touched.iter().map(|(row, b)| (*row, motion(block, b, c))));
-            };
-            add(&own, touched);
-            for ([_, other], block) in parts.node_blocks.pairs_of(*node) {
-                if let Ok(place) = touching.binary_search_by_key(other, |(node, _)| *node) {
-                    add(block, &touching[place].1);
-                }
+    let moved: Vec<AtNode> = parallel::map(touching.len(), 1, &|place| {
+        let (node, touched) = &touching[place];
+        let own = parts.node_blocks.block(*node as usize);
+        let mut moved: AtNode = Vec::new();
+        let mut add = |block: &[f64; 9], touched: &AtNode| {
+            moved.extend(touched.iter().map(|(row, b)| (*row, motion(block, b, c))));
+        };
+        add(&own, touched);
+        for ([_, other], block) in parts.node_blocks.pairs_of(*node) {
+            if let Ok(place) = touching.binary_search_by_key(other, |(node, _)| *node) {
+                add(block, &touching[place].1);
             }
-            moved
-        })
-        .collect();
-    let entries: Vec<Vec<(u32, f64)>> = touched_by
-        .par_iter()
-        .map_init(
-            || vec![None; size],
-            |sums, own| row_of_nodes(sums, (own, &moved), c),
-        )
-        .collect();
+        }
+        moved
+    });
+    let fresh = || vec![None; size];
+    let scratch = Scratch::new(&fresh);
+    let entries: Vec<Vec<(u32, f64)>> = parallel::map(size, 1, &|row| {
+        scratch.lend(|sums| row_of_nodes(sums, (&touched_by[row], &moved), c))
+    });
     let mut builder = SparseRowsBuilder::new(size);
     for mut row in entries {
         builder.push_row(&mut row);

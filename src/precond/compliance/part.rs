@@ -1,9 +1,8 @@
 //! Principal parts of the compliance, made entry by entry, and what is kept of them.
 
-use rayon::prelude::*;
-
 use super::Compliance;
 use crate::linalg::DenseMatrix;
+use crate::parallel;
 
 /// A principal part that contains those of earlier questions.
 #[derive(Default)]
@@ -19,10 +18,7 @@ impl Compliance {
     pub(super) fn part_beside(&self, selected: &[usize], known: &Known) -> DenseMatrix {
         let part = PartBeside::new(self, selected, known);
         let size = selected.len();
-        let columns: Vec<Vec<f64>> = (0..size)
-            .into_par_iter()
-            .map(|place| part.column(place))
-            .collect();
+        let columns: Vec<Vec<f64>> = parallel::map(size, 1, &|place| part.column(place));
         let mut part = DenseMatrix::zeros(size, size);
         for (j, column) in columns.iter().enumerate() {
             part.column_mut(j)[j..].copy_from_slice(column);

@@ -1,12 +1,11 @@
 //! What the rows of a coupling see of the volumes of a body: W `[volumes, multipliers]`, and
 //! L^-1 W for the factor L of their Gram matrix.
 
-use rayon::prelude::*;
-
 use super::nodes::AtNode;
 use super::{ComplianceParts, TraceRow};
 use crate::linalg::vector::dot;
 use crate::linalg::{DenseMatrix, LinearOperator, SparseRows, SparseRowsBuilder};
+use crate::parallel::{self, Scratch};
 use crate::precond::volume_modes::VolumeModes;
 
 /// Share of the largest entry of a volume below which it is next to nothing.
@@ -20,27 +19,22 @@ pub(super) fn seen_of(
 ) -> (DenseMatrix, SparseRows) {
     let (size, modes) = (rows.0.len(), volumes.count());
     let unknowns = volumes.nodal_part.columns();
-    let seen: Vec<Vec<f64>> = (0..modes)
-        .into_par_iter()
-        .map_init(
-            || vec![0.0; unknowns],
-            |alone, mode| {
-                alone.fill(0.0);
-                volumes.nodal_part.add_row(mode, 1.0, alone);
-                seen_by(parts, rows, (&volumes.p1_part[mode], alone))
-            },
-        )
-        .collect();
+    let fresh = || vec![0.0; unknowns];
+    let scratch = Scratch::new(&fresh);
+    let seen: Vec<Vec<f64>> = parallel::map(modes, 1, &|mode| {
+        scratch.lend(|alone| {
+            alone.fill(0.0);
+            volumes.nodal_part.add_row(mode, 1.0, alone);
+            seen_by(parts, rows, (&volumes.p1_part[mode], alone))
+        })
+    });
     let mut kept = SparseRowsBuilder::new(size);
     seen.iter().for_each(|seen| kept.push_dense(seen, NOTHING));
-    let columns: Vec<Vec<f64>> = (0..size)
-        .into_par_iter()
-        .map(|row| {
-            let mut column: Vec<f64> = seen.iter().map(|seen| seen[row]).collect();
-            volumes.factor.forward(&mut column);
-            column
-        })
-        .collect();
+    let columns: Vec<Vec<f64>> = parallel::map(size, 1, &|row| {
+        let mut column: Vec<f64> = seen.iter().map(|seen| seen[row]).collect();
+        volumes.factor.forward(&mut column);
+        column
+    });
     let mut orthonormal = DenseMatrix::zeros(modes, size);
     for (row, column) in columns.iter().enumerate() {
         orthonormal.column_mut(row).copy_from_slice(column);

@@ -16,8 +16,6 @@
 //! 2 v^2 instead of 2 n^2, and no matrix of n rows is stored. Where N is nearly singular
 //! digits are lost: a factor that misses a known solution is not used.
 
-use rayon::prelude::*;
-
 use super::Compliance;
 use super::part::Touched;
 use crate::linalg::cholesky::{LowerColumns, Precision};
@@ -25,6 +23,7 @@ use crate::linalg::vector::{add_scaled, dot, norm, reproducible_noise, scale};
 use crate::linalg::{
     DenseCholesky, DenseMatrix, PartFactor, SparseCholesky, SymmetricMatrix, Workspace,
 };
+use crate::parallel::{self, Scratch};
 
 /// Rows of the smallest part that is worth it.
 const LEAST: usize = 256;
@@ -209,10 +208,11 @@ fn solved(
         }
         (on_traces, seen.transposed_times(&alone))
     };
-    let panels: Vec<(DenseMatrix, DenseMatrix)> = numbers
-        .par_chunks(PANEL)
-        .map_init(Workspace::new, |work, numbers| panel(work, numbers))
-        .collect();
+    let scratch = Scratch::new(&Workspace::new);
+    let panels = parallel::map(numbers.len().div_ceil(PANEL), 1, &|k| {
+        let numbers = &numbers[k * PANEL..numbers.len().min((k + 1) * PANEL)];
+        scratch.lend(|work| panel(work, numbers))
+    });
     let mut on_traces = DenseMatrix::zeros(size, count);
     let mut products = DenseMatrix::zeros(count, count);
     for (panel, (traces, seen)) in panels.iter().enumerate() {
@@ -280,10 +280,11 @@ fn on_traces(nodes: &SparseCholesky, touched: &Touched) -> DenseMatrix {
         work.give(moved);
         out
     };
-    let panels: Vec<Vec<f64>> = columns
-        .par_chunks(PANEL)
-        .map_init(Workspace::new, |work, columns| panel(work, columns))
-        .collect();
+    let scratch = Scratch::new(&Workspace::new);
+    let panels = parallel::map(columns.len().div_ceil(PANEL), 1, &|k| {
+        let columns = &columns[k * PANEL..columns.len().min((k + 1) * PANEL)];
+        scratch.lend(|work| panel(work, columns))
+    });
     let mut whole = DenseMatrix::zeros(traces, traces);
     for (column, values) in panels
         .iter()

@@ -5,9 +5,8 @@
 //! asked for. Small bodies keep the columns whole, from which the fields of an update come
 //! by one product. Cost: a block reads the factor twice.
 
+use crate::parallel::{self, Pieces};
 use std::sync::OnceLock;
-
-use rayon::prelude::*;
 
 use crate::inequality::BodyFactor;
 use crate::linalg::Workspace;
@@ -117,8 +116,7 @@ impl Columns {
             if stopped() {
                 return None;
             }
-            let made = some.par_iter().map(|&block| self.make(block, factor));
-            let made: Vec<Block> = made.collect();
+            let made = parallel::map(some.len(), 1, &|k| self.make(some[k], factor));
             for (&block, columns) in some.iter().zip(made) {
                 // Another session may have made the same ones.
                 self.blocks[block].get_or_init(|| columns);
@@ -170,7 +168,7 @@ impl Columns {
         let columns: Vec<(&[f64], f64)> = columns.collect();
         let mut y = vec![0.0; size];
         let rows = size.div_ceil(rayon::current_num_threads()).max(FEW);
-        y.par_chunks_mut(rows).enumerate().for_each(|(chunk, y)| {
+        parallel::each(Pieces::of(&mut y, rows), 1, &|chunk, y| {
             for (column, value) in &columns {
                 let column = &column[chunk * rows..][..y.len()];
                 y.iter_mut().zip(column).for_each(|(y, g)| *y += value * g);
@@ -183,7 +181,7 @@ impl Columns {
     /// known.
     pub(super) fn subtract_product(&self, (places, x): (&[usize], &[f64]), y: &mut [f64]) {
         let rows = y.len().div_ceil(rayon::current_num_threads()).max(FEW);
-        y.par_chunks_mut(rows).enumerate().for_each(|(chunk, y)| {
+        parallel::each(Pieces::of(y, rows), 1, &|chunk, y| {
             for (&place, value) in places.iter().zip(x) {
                 let column = &self.column(place)[chunk * rows..][..y.len()];
                 y.iter_mut().zip(column).for_each(|(y, g)| *y -= value * g);
@@ -193,11 +191,10 @@ impl Columns {
 
     /// G at rows and columns `places`, whose columns are known, column by column.
     pub(super) fn part(&self, places: &[usize]) -> Vec<Vec<f64>> {
-        let column = |&place: &usize| {
-            let column = self.column(place);
+        parallel::map(places.len(), FEW, &|k| {
+            let column = self.column(places[k]);
             places.iter().map(|&row| column[row]).collect()
-        };
-        places.par_iter().with_min_len(FEW).map(column).collect()
+        })
     }
 }
 

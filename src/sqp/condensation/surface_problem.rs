@@ -15,9 +15,8 @@
 //! negative take no part. It ends where `C(u')^T l'` is q' and the gaps hold, both well within the
 //! tolerance.
 
+use crate::parallel;
 use std::sync::Arc;
-
-use rayon::prelude::*;
 
 use super::columns::Columns;
 use super::kept::{BodyResponse, Free};
@@ -329,8 +328,7 @@ impl Rows {
         let size = self.rows.len();
         let rows = &self.rows;
         let column = |index: usize| below_diagonal(rows, index, near);
-        let columns = (0..size).into_par_iter().map(column);
-        let columns: Vec<Vec<f64>> = columns.collect();
+        let columns = parallel::map(size, 1, &column);
         let mut matrix = DenseMatrix::zeros(size, size);
         for (j, column) in columns.iter().enumerate() {
             matrix.column_mut(j)[j..].copy_from_slice(column);

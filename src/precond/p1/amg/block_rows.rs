@@ -6,8 +6,8 @@
 //! side, `[nodes, components, W]`: each keeps the bits it has alone.
 
 use crate::linalg::Scalar;
-use crate::linalg::parallel::{self, Pieces};
 use crate::linalg::{LinearOperator, Workspace};
+use crate::parallel::{self, Pieces};
 
 /// A dense block, row-major.
 pub(super) type Block<S, const R: usize, const C: usize> = [[S; C]; R];

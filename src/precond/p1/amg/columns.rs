@@ -21,8 +21,8 @@ use super::block_rows::{BlockRows, Lanes, Pattern, add_block_product, wide};
 use super::coarsest::Coarsest;
 use super::cycle::{Hierarchy, Level};
 use super::smoother::{DEGREE, RowStep};
-use crate::linalg::parallel::{self, Pieces, Scratch};
 use crate::linalg::{DenseMatrix, Scalar};
+use crate::parallel::{self, Pieces, Scratch};
 use crate::precond::p1::Traces;
 
 /// Columns that share nodes. Loops over sixteen are unrolled whole, and slower.

@@ -4,7 +4,7 @@
 //! Cost: one block product per pair of stored blocks that meet; for A P some
 //! 70, for P^T (A P) some 50 per vertex of a tetrahedral mesh.
 
-use crate::linalg::parallel;
+use crate::parallel;
 use rayon::prelude::*;
 
 use super::block_rows::{Block, BlockRows, PIECE, Pattern};

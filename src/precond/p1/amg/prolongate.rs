@@ -5,7 +5,7 @@
 //! A B, which is B wherever A maps the modes to zero.
 //! Vanek, Mandel and Brezina, Computing 56 (1996).
 
-use crate::linalg::parallel;
+use crate::parallel;
 use rayon::prelude::*;
 
 use super::aggregate::{Aggregates, NONE};

@@ -12,8 +12,8 @@ use super::block_rows::{
 };
 use super::strength::position_of_diagonal;
 use crate::linalg::Scalar;
-use crate::linalg::parallel::{self, Pieces};
 use crate::linalg::{Preconditioner, Workspace};
+use crate::parallel::{self, Pieces};
 use crate::precond::chebyshev::Chebyshev;
 use crate::precond::spectrum::Lanczos;
 

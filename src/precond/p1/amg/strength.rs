@@ -6,7 +6,7 @@
 //! and the hierarchy cheap; across flat cells and soft layers it cuts.
 
 use super::block_rows::{Block, BlockRows, PIECE};
-use crate::linalg::parallel;
+use crate::parallel;
 
 /// Smallest relative coupling that counts.
 pub(super) const THRESHOLD: f32 = 0.02;

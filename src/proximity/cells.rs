@@ -10,15 +10,14 @@
 //! them out. Cost: a pass over the nodes where the obstacle is away, one distance a cell where it is
 //! near, some more in cells at it.
 
-use rayon::prelude::*;
-
 use crate::assembly::load::shape_values;
+use crate::contact::Deformed;
 use crate::contact::surface::ContactSurface;
 use crate::geometry::vector3::{add, cross, dot, sub};
 use crate::linalg::vector::norm;
-use crate::model::Model;
-use crate::model::state::State;
+use crate::mesh::Mesh;
 use crate::obstacle::{Contact, Derivatives, Obstacle};
+use crate::parallel;
 
 /// Share of a unit normal, squared, that is left to a vertex which supports hold along it.
 const FREE: f64 = 1e-6;
@@ -32,15 +31,15 @@ const CELLS_AT_ONCE: usize = 256;
 const CAREFUL: f64 = 1.01;
 
 /// Cells without a face on `surface`.
-pub(crate) fn cells_beside(model: &Model<'_>, surface: &ContactSurface) -> Vec<usize> {
-    let mut is_on = vec![false; model.mesh.coordinates().len()];
+pub fn beside(mesh: &Mesh, surface: &ContactSurface) -> Vec<usize> {
+    let mut is_on = vec![false; mesh.coordinates().len()];
     for face in &surface.faces {
         face.corners
             .iter()
             .for_each(|&corner| is_on[corner as usize] = true);
     }
-    let corners = model.prepared.geometry.vertices;
-    let cells = model.mesh.cells().chunks_exact(corners).enumerate();
+    let corners = corners_of(mesh);
+    let cells = mesh.cells().chunks_exact(corners).enumerate();
     let beside = cells.filter(|(_, cell)| {
         let on = cell.iter().filter(|&&vertex| is_on[vertex as usize]);
         on.count() < corners - 1
@@ -51,27 +50,27 @@ pub(crate) fn cells_beside(model: &Model<'_>, surface: &ContactSurface) -> Vec<u
 /// Greatest depth of a point of `cells` inside `obstacle`, or how far this has to move to come
 /// out where it fits between those points, `nearest` its distance from the faces. In units of the
 /// scaled body.
-pub(crate) fn depth_inside(
-    model: &Model<'_>,
-    state: &State,
+pub fn depth_inside(
+    body: &Deformed<'_>,
     (obstacle, cells): (&dyn Obstacle, &[usize]),
     nearest: f64,
 ) -> f64 {
-    if is_away(model, state, obstacle) {
+    if is_away(body, obstacle) {
         return 0.0;
     }
-    let corners = model.prepared.geometry.vertices;
+    let corners = corners_of(body.mesh);
     let shapes = lattice(corners).into_iter();
     let shapes = shapes.map(|at| shape_values(&at[..corners]));
     let search = Search {
         shapes: shapes.collect(),
-        model,
-        state,
+        body,
         obstacle,
         nearest,
     };
-    let chunks = cells.par_chunks(CELLS_AT_ONCE);
-    let depths: Vec<f64> = chunks.map(|cells| search.deepest(cells)).collect();
+    let depths = parallel::map(cells.len().div_ceil(CELLS_AT_ONCE), 1, &|k| {
+        let end = cells.len().min((k + 1) * CELLS_AT_ONCE);
+        search.deepest(&cells[k * CELLS_AT_ONCE..end])
+    });
     depths.into_iter().fold(0.0, f64::max)
 }
 
@@ -79,8 +78,7 @@ pub(crate) fn depth_inside(
 struct Search<'a> {
     /// Values of the functions of a cell at the points of its lattice `[points][nodes]`.
     shapes: Vec<Vec<f64>>,
-    model: &'a Model<'a>,
-    state: &'a State,
+    body: &'a Deformed<'a>,
     obstacle: &'a dyn Obstacle,
     nearest: f64,
 }
@@ -110,13 +108,13 @@ impl Search<'_> {
 
     /// The deformed centroid of a cell, and the largest distance of a corner from it.
     fn middle_and_size(&self, cell: usize) -> ([f64; 3], f64) {
-        let corners = self.model.mesh.cell(cell);
+        let corners = self.body.mesh.cell(cell);
         let mut places = [[0.0; 3]; 4];
         for (place, &corner) in places.iter_mut().zip(corners) {
-            *place = self.model.place(corner as usize, &self.state.displacement);
+            *place = self.body.place(corner as usize);
         }
         let share = 1.0 / corners.len() as f64;
-        let edges = edges_of(self.model, self.state, cell);
+        let edges = edges_of(self.body, cell);
         let bent = edges.fold([0.0; 3], add);
         let places = &places[..corners.len()];
         let middle: [f64; 3] = std::array::from_fn(|i| {
@@ -129,10 +127,10 @@ impl Search<'_> {
 
     /// How deep the obstacle lies inside a cell near it, `last` being a place with its distance.
     fn depth_in(&self, cell: usize, mut last: ([f64; 3], f64)) -> f64 {
-        let Self { model, state, .. } = self;
-        let corners = model.mesh.cell(cell).iter();
-        let corners = corners.map(|&corner| model.place(corner as usize, &state.displacement));
-        let edges = edges_of(model, state, cell);
+        let body = self.body;
+        let corners = body.mesh.cell(cell).iter();
+        let corners = corners.map(|&corner| body.place(corner as usize));
+        let edges = edges_of(body, cell);
         let values: Vec<[f64; 3]> = corners.chain(edges).collect();
         let middle = last;
         let mut deepest = 0.0_f64;
@@ -149,7 +147,7 @@ impl Search<'_> {
             deepest = deepest.max(-last.1);
         }
         match self.obstacle.inner_ball() {
-            Some(ball) if contains(model, state, (cell, ball.centre)) => {
+            Some(ball) if contains(body, (cell, ball.centre)) => {
                 deepest.max(2.0 * ball.radius + self.nearest.max(0.0))
             }
             Some(_) | None => deepest,
@@ -158,13 +156,9 @@ impl Search<'_> {
 }
 
 /// What the middles of the edges of a deformed cell are off the means of their ends, each `[3]`.
-fn edges_of<'a>(
-    model: &'a Model<'_>,
-    state: &'a State,
-    cell: usize,
-) -> impl Iterator<Item = [f64; 3]> + 'a {
-    let nodes = model.prepared.space.edge_nodes_of(model.mesh, cell);
-    nodes.map(|(node, _)| model.place(node, &state.displacement))
+fn edges_of<'a>(body: &'a Deformed<'_>, cell: usize) -> impl Iterator<Item = [f64; 3]> + 'a {
+    let nodes = body.space.edge_nodes_of(body.mesh, cell);
+    nodes.map(|(node, _)| body.place(node))
 }
 
 /// Whether a point is outside by the distance of another one.
@@ -183,12 +177,12 @@ fn sum(weights: &[f64], points: &[[f64; 3]]) -> [f64; 3] {
 
 /// Greatest depth of a vertex of `surface` inside `obstacle` that supports hold along the
 /// normal, in units of the scaled body.
-pub(crate) fn depth_where_held(
-    model: &Model<'_>,
-    state: &State,
+pub fn depth_where_held(
+    body: &Deformed<'_>,
+    is_held: &[bool],
     (obstacle, surface): (&dyn Obstacle, &ContactSurface),
 ) -> f64 {
-    let components = model.prepared.space.components;
+    let components = body.space.components;
     let corners = surface
         .faces
         .iter()
@@ -196,11 +190,11 @@ pub(crate) fn depth_where_held(
     let depths = corners.map(|corner| {
         let first = corner as usize * components;
         let own = first..first + components;
-        let held = model.prepared.is_held.get(own).unwrap_or(&[]);
+        let held = is_held.get(own).unwrap_or(&[]);
         if !held.contains(&true) {
             return 0.0;
         }
-        let place = model.place(corner as usize, &state.displacement);
+        let place = body.place(corner as usize);
         let mut contact = [Contact::default()];
         obstacle.probe(&[place], Derivatives::Normal, &mut contact);
         let normal = contact[0].normal;
@@ -215,11 +209,16 @@ pub(crate) fn depth_where_held(
     depths.fold(0.0, f64::max)
 }
 
+/// Corners of a cell.
+fn corners_of(mesh: &Mesh) -> usize {
+    mesh.cell_kind().vertices()
+}
+
 /// Whether a point is in a cell, whose sides are taken straight between its deformed corners.
-fn contains(model: &Model<'_>, state: &State, (cell, point): (usize, [f64; 3])) -> bool {
-    let corners = model.prepared.geometry.vertices;
-    let own = model.mesh.cell(cell).iter();
-    let own = own.map(|&corner| model.place(corner as usize, &state.displacement));
+fn contains(body: &Deformed<'_>, (cell, point): (usize, [f64; 3])) -> bool {
+    let corners = corners_of(body.mesh);
+    let own = body.mesh.cell(cell).iter();
+    let own = own.map(|&corner| body.place(corner as usize));
     let places: Vec<[f64; 3]> = own.collect();
     // On the inner side of every side, as the corner opposite is.
     (0..corners).all(|opposite| {
@@ -244,9 +243,9 @@ fn volume(side: &[[f64; 3]], tip: [f64; 3]) -> f64 {
 }
 
 /// Whether the obstacle is beyond the ball around the body, at rest and as it has moved.
-fn is_away(model: &Model<'_>, state: &State, obstacle: &dyn Obstacle) -> bool {
-    let scale = model.plan.problem.units.coordinate_scale;
-    let points = model.mesh.coordinates();
+fn is_away(body: &Deformed<'_>, obstacle: &dyn Obstacle) -> bool {
+    let scale = body.scale;
+    let points = body.mesh.coordinates();
     let mut middle = [0.0; 3];
     for point in points {
         let terms = middle.iter_mut().zip(point);
@@ -257,8 +256,8 @@ fn is_away(model: &Model<'_>, state: &State, obstacle: &dyn Obstacle) -> bool {
         offsets.map(|offset| offset * offset).sum()
     };
     let radius = points.iter().map(square).fold(0.0, f64::max).sqrt();
-    let space = &model.prepared.space;
-    let moved = state.displacement.chunks_exact(space.components).map(norm);
+    let moved = body.displacement.chunks_exact(body.space.components);
+    let moved = moved.map(norm);
     let mut contact = [Contact::default()];
     obstacle.probe(&[middle], Derivatives::Gap, &mut contact);
     // Corners, and what the middles of edges move beside them.

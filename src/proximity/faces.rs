@@ -11,13 +11,11 @@
 //! may be touched finer grids follow, each a quarter of the last. Cost: one distance a face; of
 //! those that are near, 45 in space, 17 in the plane, and as many again for each finer grid.
 
-use rayon::prelude::*;
-
-use super::deformed::Deformed;
-use super::face::ContactFace;
-use super::quadratic_face::{QuadraticFace, towards};
-use super::surface::ContactSurface;
+use crate::contact::quadratic_face::{QuadraticFace, towards};
+use crate::contact::surface::ContactSurface;
+use crate::contact::{ContactFace, Deformed};
 use crate::obstacle::{Contact, Derivatives, Obstacle};
+use crate::parallel;
 
 /// Above one by more than all rounding, and by what distances to patches miss of a true distance.
 const CAREFUL: f64 = 1.01;
@@ -35,7 +33,7 @@ const FEW: usize = 16;
 
 /// The least distance of each face `[faces]`, or a bound below it where it is neither the least of
 /// all nor negative.
-pub fn nearest<O: Obstacle + ?Sized>(
+pub fn distances<O: Obstacle + ?Sized>(
     body: &Deformed<'_>,
     surface: &ContactSurface,
     obstacle: &O,
@@ -45,33 +43,33 @@ pub fn nearest<O: Obstacle + ?Sized>(
         obstacle,
         body,
     };
-    let faces = surface.faces.par_iter().with_min_len(4 * FEW);
-    let bounds: Vec<[f64; 2]> = faces.map(|face| search.bounds(face)).collect();
+    let bounds = parallel::map(surface.faces.len(), 4 * FEW, &|face| {
+        search.bounds(&surface.faces[face])
+    });
     let upper = bounds.iter().map(|bound| bound[1]);
     let least_of_all = upper.fold(f64::INFINITY, f64::min).max(0.0);
-    let mut distances: Vec<f64> = bounds.iter().map(|bound| bound[0]).collect();
-    let is_near = |face: &usize| distances[*face] <= least_of_all;
-    let near: Vec<usize> = (0..distances.len()).filter(is_near).collect();
-    let faces = near.par_iter().with_min_len(FEW);
-    let found = faces.map(|&face| search.on_grid(&surface.faces[face]));
-    let found: Vec<Found> = found.collect();
+    let mut all: Vec<f64> = bounds.iter().map(|bound| bound[0]).collect();
+    let is_near = |face: &usize| all[*face] <= least_of_all;
+    let near: Vec<usize> = (0..all.len()).filter(is_near).collect();
+    let found = parallel::map(near.len(), FEW, &|k| {
+        search.on_grid(&surface.faces[near[k]])
+    });
     let least = found.iter().map(|found| found.distance);
     let least = least.fold(f64::INFINITY, f64::min).max(0.0);
     let power = 1.0 / (body.space.components as f64 - 1.0);
-    let faces = near.par_iter().zip(&found).with_min_len(FEW / 4);
-    let refined = faces.map(|(&face, found)| {
-        let size = surface.faces[face].flat_area.powf(power);
+    let refined = parallel::map(near.len(), FEW / 4, &|k| {
+        let found = &found[k];
+        let size = surface.faces[near[k]].flat_area.powf(power);
         if found.distance < least + REACH * size {
             search.refined(found)
         } else {
             found.distance
         }
     });
-    let refined: Vec<f64> = refined.collect();
     for (index, distance) in near.into_iter().zip(refined) {
-        distances[index] = distance;
+        all[index] = distance;
     }
-    distances
+    all
 }
 
 /// Distances of the faces of a body from an obstacle.

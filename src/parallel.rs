@@ -9,6 +9,9 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
+/// Blocks of a map at most: enough for the threads of a machine to end together.
+const MOST_BLOCKS: usize = 256;
+
 /// Values in pieces of `size`, the last one shorter where they do not divide.
 pub struct Pieces<'a, T> {
     /// All of them.
@@ -69,8 +72,23 @@ pub fn each_of_three<A: Send, B: Send>(
 
 /// `make(k)` for k below `count`, in their order; a thread makes `least` or more.
 pub fn map<T: Send>(count: usize, least: usize, make: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
-    let all = (0..count).into_par_iter().with_min_len(least);
-    all.map(make).collect()
+    let size = count.div_ceil(MOST_BLOCKS).max(least).max(1);
+    let made: Vec<Mutex<Vec<T>>> = (0..count.div_ceil(size))
+        .map(|_| Mutex::default())
+        .collect();
+    numbered(made.len(), &|block| {
+        let own = (block * size..count.min((block + 1) * size)).map(make);
+        if let Ok(mut slot) = made[block].lock() {
+            slot.extend(own);
+        }
+    });
+    let made = made.into_iter().map(|slot| slot.into_inner());
+    made.flat_map(Result::unwrap_or_default).collect()
+}
+
+/// `body(k)` for k below `count`: compiled once.
+fn numbered(count: usize, body: &(dyn Fn(usize) + Sync)) {
+    (0..count).into_par_iter().for_each(body);
 }
 
 /// Scratch space for bodies of loops: as many as threads at work, each lent again and again.
