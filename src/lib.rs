@@ -20,9 +20,9 @@
 //!
 //! | part | rooms |
 //! |---|---|
-//! | ground | [`report`] words of all reports; [`linalg`] vectors, sparse and dense factors, the only door to faer; [`geometry`] points, tensors, rigid motions |
+//! | ground | [`report`] words of all reports; [`parallel`] loops over pieces; [`linalg`] vectors, sparse and dense factors, the only door to faer; [`geometry`] points, tensors, rigid motions |
 //! | numbers wing | [`precond`] p-multigrid, P1 solvers, Schur metrics; [`krylov`] CG and GCR; [`saddle`] multiplier blocks and their admissible sets; [`inequality`] methods for blocks whose sets are not free |
-//! | mechanics wing | [`mesh`]; [`element`] rules and analytic fields; [`space`] numbering and interpolation; [`material`]; [`obstacle`]; [`assembly`] operators, masses, loads; [`contact`] gaps, guides and resultants; [`proximity`] whether a tool is in, at or passing through the body |
+//! | mechanics wing | [`mesh`]; [`element`] rules and analytic fields; [`space`] numbering and interpolation; [`material`]; [`obstacle`]; [`assembly`] operators, masses, loads; [`contact`] gaps, guides and resultants; [`proximity`] how near a tool is to faces, cells and on its path |
 //! | the problem | [`scene`] as data, its choices enums; [`plan`] resolved items, decisions with reasons; [`prepare`] what is expensive and shared |
 //! | the solver | `model` the body at a state, its residuals and tangent; `sqp` equilibrium under one drive: programs, search, what is learnt; `force_control` poses from forces; `stability`; `diagnosis` causes and where they lie; `continuation` the load path, and what follows a failure; [`session`] states that steps move |
 //! | the answer | `results` reports, fields, error estimates; `verify` the same residuals by an independent path |
@@ -42,8 +42,21 @@
 //!
 //! Inside, an increment is one `sqp::run::Run`: the model, the state that it moves, what
 //! earlier programs have taught, who watches, counts and scratch. `continuation` takes
-//! its load path in parts where one part is too long, and decides what follows a failure
+//! its load path at once, in bounded parts where a tool could pass, in smaller ones after a failure
 //! (`continuation::strategy`); `sqp::increment` solves one part by quadratic programs; `results::step` reads the state into the report.
+//!
+//! # Where it is decided
+//!
+//! | question | files |
+//! |---|---|
+//! | what follows a part of the load path that failed | `src/continuation/strategy.rs`, `src/continuation/parts.rs` |
+//! | how long parts may be so that no tool passes | `src/continuation/longest_part.rs` |
+//! | the law of friction: radius, projection, status | `src/saddle/set/cones.rs`; slip: `src/model/friction.rs` |
+//! | a wire message as a step, a step as the drive at its end | `server/src/convert/step.rs`, `src/session/mod.rs`, `src/model/drive.rs` |
+//! | a tool that begins inside the body | before: `src/plan/overlap.rs`, `src/plan/doubts.rs`; pushed out: `src/continuation/initial_penetration.rs` |
+//! | a tool that has passed, or lies inside | `src/results/passage.rs`, `src/results/warnings.rs`, by distances of `src/proximity/mod.rs` |
+//! | a new obstacle shape | `src/obstacle/shape.rs`, `src/plan/reach.rs`, `src/session/checkpoint/scene_digest.rs`, `proto/signorini/v1/scene.proto`, `server/src/convert/shape.rs`, `client/src/scene_file/shape.rs`, `client/python/signorini/scene.py` |
+//! | a new law of rubber | `src/material/invariants.rs` or a file beside it, `src/material/rubber.rs`, `src/scene/material.rs`, `src/scene/validate/rubber.rs`, `src/session/checkpoint/scene_digest.rs`, `src/verify/rubber.rs`, `proto/signorini/v1/scene.proto`, `server/src/convert/material.rs`, `client/src/scene_file/body.rs`, `client/python/signorini/scene.py` |
 //!
 //! # Notation
 //!
@@ -79,19 +92,20 @@
 //! | approximate inverse about a deformed state | `ApproximateInverse` | `prepare::approximate_inverse` |
 //! | bilateral contact, rollers on any surface | `Guide`, `support.normal` | `contact::counterpart` |
 //! | candidate face of a contact surface | `ContactFace` | `contact::face` |
-//! | certificate of stability, second-order condition | `Stability` | `stability` |
+//! | certificate of stability, second-order condition | `certify` | `stability` |
 //! | checkpoint, restart data | `State` | `model::state` |
 //! | compliance, Steklov-Poincare operator of the surface | `compliance` | `precond::compliance` |
 //! | contact surface with its multipliers and what it meets | `Interface` | `model::interfaces` |
 //! | continuation, extrapolation along the load | `Trend` | `sqp::trend` |
 //! | counterpart: what a face meets, master surface | `Counterpart`, `Obstacle` | `contact::counterpart`, `obstacle` |
-//! | cut-back, adaptive load stepping | `Parts`, `Checkpoint` | `continuation::parts` |
+//! | cut-back, adaptive load stepping | `Parts`, `Checkpoint` | `continuation::parts`, `continuation::checkpoint` |
 //! | estimate of the discretisation error by recovery | `estimate` | `results::estimate` |
-//! | factor of the body, Schur complement on contact | `FactoredBody`, `NearCompliance` | `sqp::program::by_factor` |
+//! | factor of the body, Schur complement on contact | `FactoredBody`, `NearCompliance` | `sqp::factored_body`, `sqp::near_compliance` |
 //! | face of the feasible polyhedron | `Face` | `inequality::one_level` |
 //! | force control, prescribed forces on an obstacle | `Balance` | `force_control` |
 //! | forcing term of an inexact Newton method | `goal` | `sqp::increment` |
 //! | inertia, modified Newton step of an unstable body | `Turned` | `inequality::factorised::turned` |
+//! | friction, Coulomb, Tresca | `FrictionBound`, `Cones`; `Friction` for slip | `saddle::set::cones`, `model::friction` |
 //! | initial penetration, overclosure at the start | `InitialPenetration` | `continuation::initial_penetration` |
 //! | line search | `search` | `sqp::search` |
 //! | load path, what follows a failed part | `LoadPath`, `after` | `continuation`, `continuation::strategy` |
@@ -184,6 +198,7 @@
 #![doc = include_str!("decisions/0058-no-second-attempts.md")]
 #![doc = include_str!("decisions/0059-comparisons-in-a-crate.md")]
 #![doc = include_str!("decisions/0060-one-place-that-decides.md")]
+#![doc = include_str!("decisions/0061-loops-compiled-once.md")]
 
 pub mod assembly;
 pub mod comparisons;

@@ -1,4 +1,4 @@
-//! Constitutive laws, one file each.
+//! Constitutive laws: linear bodies, rubber by invariants, rubber by stretches, viscous flow.
 
 mod invariants;
 mod linear_elastic;

@@ -9,7 +9,8 @@
 //! the caller's. Cost: some tens of flops per point.
 //!
 //! A new shape is a file beside this one, a variant of [`Shape`] and a line in
-//! [`Shape::build`]; nothing else in the library knows which shapes there are.
+//! [`Shape::build`]; the compiler names the two other places that tell shapes apart, and the table
+//! in the library's documentation the files outside.
 
 mod capped_cylinder;
 mod cavity;

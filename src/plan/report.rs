@@ -68,7 +68,7 @@ impl Plan {
                 "displacement"
             }
             .to_owned(),
-            decisions: self.decisions(),
+            decisions: self.entries(),
             left_out: self.left_out(),
             predicted_bytes: estimate::bytes(self, vertices),
             predicted_factor_flops: estimate::p1_solver(self, vertices).1,
@@ -78,7 +78,7 @@ impl Plan {
     }
 
     /// All decisions of the plan, in the order in which they are shown.
-    fn decisions(&self) -> Vec<PlanEntry> {
+    fn entries(&self) -> Vec<PlanEntry> {
         let mut entries = Vec::new();
         let mut push = |what: &str, choice: String, reason: &str| {
             entries.push(PlanEntry {
@@ -102,17 +102,7 @@ impl Plan {
         }
         self.push_smoother(&mut push);
         push("p1_solver", self.p1_name(), &self.decisions.p1.reason);
-        let has_multipliers = self.problem.unknowns.pressure + self.problem.unknowns.contact > 0;
-        let mut method = self
-            .decisions
-            .saddle
-            .method
-            .describe(has_multipliers)
-            .to_owned();
-        if self.is_augmented() {
-            method.push_str(", augmented");
-        }
-        push("saddle", method, self.decisions.saddle.reason);
+        self.push_saddle(&mut push);
         if self.penalty() > 0.0 {
             let choice = format!("grad-div term of {} mu", self.penalty());
             push("penalty", choice, "asked for");
@@ -139,6 +129,17 @@ impl Plan {
             push("rigid modes", "shifted P1 factor".into(), &reason);
         }
         entries
+    }
+
+    /// The method of the linear systems.
+    fn push_saddle(&self, push: &mut dyn FnMut(&str, String, &str)) {
+        let (unknowns, saddle) = (self.problem.unknowns, &self.decisions.saddle);
+        let has_multipliers = unknowns.pressure + unknowns.contact > 0;
+        let mut method = saddle.method.describe(has_multipliers).to_owned();
+        if self.is_augmented() {
+            method.push_str(", augmented");
+        }
+        push("saddle", method, saddle.reason);
     }
 
     /// The preconditioner of the displacement block, with its smoother.

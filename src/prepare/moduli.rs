@@ -9,13 +9,16 @@ pub(crate) fn moduli(plan: &Plan) -> CellModuli {
     let mut moduli = CellModuli::default();
     for &index in &plan.problem.resolved.cell_material {
         let law = plan.problem.resolved.materials[usize::from(index)].law;
-        let (lame, inverse) = match plan.is_mixed() {
+        let stress = plan.problem.units.stress;
+        let (lame, inverse) = if plan.is_mixed() {
             // The penalty is a grad-div term of the displacement block.
-            true => (
-                (plan.penalty() * law.shear_modulus + law.direct_lame) / plan.problem.units.stress,
-                law.inverse_lame * plan.problem.units.stress,
-            ),
-            false => (law.lame() / plan.problem.units.stress, 0.0),
+            let penalty = plan.penalty() * law.shear_modulus;
+            (
+                (penalty + law.direct_lame) / stress,
+                law.inverse_lame * stress,
+            )
+        } else {
+            (law.lame() / stress, 0.0)
         };
         let shear = law.shear_modulus / plan.problem.units.stress;
         moduli.shear.push(shear);

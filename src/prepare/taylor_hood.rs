@@ -228,11 +228,8 @@ impl Parts {
         mesh: &Mesh,
         poll: &dyn Fn() -> Result<(), PrepareError>,
     ) -> Result<TaylorHoodData, PrepareError> {
-        let strain = plan
-            .problem
-            .resolved
-            .is_rubber()
-            .then(|| Arc::new(strain_grid(plan, mesh, &self.grid)));
+        let is_rubber = plan.problem.resolved.is_rubber();
+        let strain = is_rubber.then(|| Arc::new(strain_grid(plan, mesh, &self.grid)));
         let turned = strain.as_ref().filter(|_| plan.is_axisymmetric());
         let rest = turned.map(|cells| Rest::new(cells.clone(), &self.space));
         let body = DisplacementBody {
@@ -261,15 +258,12 @@ impl Parts {
         if let (Some(block), Some(rest)) = (&mut pressure, &rest) {
             block.is_enclosed = block.stabilisation.is_none() && rest.is_enclosed(&self.held);
         }
-        let mut is_held = vec![false; self.space.displacement_unknowns()];
-        let held = self.held.entries.iter();
-        held.for_each(|&index| is_held[index as usize] = true);
         Ok(TaylorHoodData {
             seconds: self.seconds(),
             strain,
             of_sessions: OfSessions::default(),
             stiffness,
-            is_held,
+            is_held: self.is_held(),
             pressure,
             at_rest: Arc::new(ApproximateInverse {
                 displacement: displacement.preconditioner,
@@ -285,6 +279,14 @@ impl Parts {
             grid: self.grid,
             held: self.held,
         })
+    }
+
+    /// Whether supports hold each unknown `[displacement unknowns]`.
+    fn is_held(&self) -> Vec<bool> {
+        let mut is_held = vec![false; self.space.displacement_unknowns()];
+        let held = self.held.entries.iter();
+        held.for_each(|&index| is_held[index as usize] = true);
+        is_held
     }
 
     fn seconds(&self) -> Seconds {

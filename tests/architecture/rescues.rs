@@ -98,3 +98,17 @@ fn the_glossary_names_what_is_there() {
         .collect();
     assert!(missing.is_empty(), "{missing:?}");
 }
+
+#[test]
+fn the_table_of_where_it_is_decided_names_files_that_are_there() {
+    let text = fs::read_to_string(workspace().join("src/lib.rs")).expect("lib.rs is readable");
+    let table = text.split("# Where it is decided").nth(1);
+    let table = table.and_then(|rest| rest.split("# Notation").next());
+    let spans = table.unwrap_or_default().split('`').skip(1).step_by(2);
+    let spans: Vec<&str> = spans.collect();
+    assert!(spans.len() >= 20, "{}", spans.len());
+    let missing: Vec<&&str> = (spans.iter())
+        .filter(|path| !workspace().join(path).is_file())
+        .collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
