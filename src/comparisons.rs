@@ -21,7 +21,8 @@ use crate::scene::{ContactMethod, DisplacementMethod, P1Solver, SaddleMethod};
 /// A preconditioner and the bytes that it holds beside what it was made from.
 pub type WithBytes = (Arc<dyn Preconditioner>, u64);
 
-/// Methods that scenes may name beside the solver's own.
+/// Methods that scenes may name beside the solver's own. A plan that is made with them takes every
+/// name of the lists: for one that is not the solver's own each function returns some method.
 pub trait Comparisons: Debug + Send + Sync {
     /// The preconditioner of the displacement block.
     fn displacement(&self, _: DisplacementMethod, _: &SplitBody<'_>) -> Option<WithBytes> {

@@ -78,12 +78,16 @@ pub fn map<T: Send>(count: usize, least: usize, make: &(dyn Fn(usize) -> T + Syn
         .collect();
     numbered(made.len(), &|block| {
         let own = (block * size..count.min((block + 1) * size)).map(make);
+        let own: Vec<T> = own.collect();
         if let Ok(mut slot) = made[block].lock() {
-            slot.extend(own);
+            *slot = own;
         }
     });
-    let made = made.into_iter().map(|slot| slot.into_inner());
-    made.flat_map(Result::unwrap_or_default).collect()
+    let mut all = Vec::with_capacity(count);
+    for slot in made {
+        all.append(&mut slot.into_inner().unwrap_or_default());
+    }
+    all
 }
 
 /// `body(k)` for k below `count`: compiled once.
@@ -91,7 +95,7 @@ fn numbered(count: usize, body: &(dyn Fn(usize) + Sync)) {
     (0..count).into_par_iter().for_each(body);
 }
 
-/// Scratch space for bodies of loops: as many as threads at work, each lent again and again.
+/// Scratch space for bodies of loops: about as many as threads at work, each lent again and again.
 pub struct Scratch<'f, W> {
     spare: Mutex<Vec<W>>,
     fresh: &'f (dyn Fn() -> W + Sync),

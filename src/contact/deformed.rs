@@ -15,7 +15,7 @@ use crate::element::quadrature::Rule;
 use crate::geometry::vector3::add;
 use crate::mesh::Mesh;
 use crate::obstacle::{Contact, Derivatives};
-use crate::parallel::{self, Pieces};
+use crate::parallel::{self, Pieces, Scratch};
 use crate::space::TaylorHood;
 
 /// Fewer faces are not worth a second thread.
@@ -136,8 +136,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// The points of the rule on one deformed face; a thread fills its own again and
-/// again.
+/// The points of the rule on one deformed face, filled again and again for the faces of a piece.
 pub(super) struct FacePoints<'a> {
     /// The rule and the functions at its points.
     pub(super) table: &'a Table<'a>,
@@ -154,8 +153,7 @@ pub(super) struct FacePoints<'a> {
 }
 
 impl<'a> FacePoints<'a> {
-    /// Room for the points of one face; a thread makes it once and fills it for every
-    /// face.
+    /// Room for the points of one face.
     fn new(table: &'a Table<'a>) -> Self {
         let points = table.points();
         Self {
@@ -319,14 +317,17 @@ impl Deformed<'_> {
         kernel: impl Fn(&mut FacePoints<'_>, &ContactFace, &mut [f64]) + Sync,
     ) -> Vec<f64> {
         let mut out = vec![0.0; faces.len() * size];
+        let fresh = || FacePoints::new(table);
+        let scratch = Scratch::new(&fresh);
         let pieces = Pieces::of(&mut out, PARALLEL_FACES * size);
         parallel::each(pieces, 1, &|piece, numbers| {
-            let mut points = FacePoints::new(table);
             let faces = &faces[piece * PARALLEL_FACES..];
-            for (face, numbers) in faces.iter().zip(numbers.chunks_mut(size)) {
-                points.place(self, face);
-                kernel(&mut points, face, numbers);
-            }
+            scratch.lend(|points| {
+                for (face, numbers) in faces.iter().zip(numbers.chunks_mut(size)) {
+                    points.place(self, face);
+                    kernel(points, face, numbers);
+                }
+            });
         });
         out
     }

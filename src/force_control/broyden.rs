@@ -174,7 +174,7 @@ impl Stall {
     }
 
     /// Whether the search has found the largest force along a way, which is less than the push:
-    /// the same is missing behind steps to and fro, or more and more of it behind steps ahead.
+    /// the same is missing after steps to and fro, or more and more of it after steps ahead.
     pub(super) fn is_beyond_the_largest(&self) -> bool {
         let is_one_sided = norm(&self.sum) >= ONE_SIDED * f64::from(self.count);
         let has_passed = self.reversals >= MOST_REVERSALS || self.rises >= MOST_RISES;

@@ -279,7 +279,7 @@ impl Faces<'_, '_> {
         bound: f64,
     ) -> Result<Option<DenseSolution>, QpStatus> {
         if let Some(friction) = &mut history.friction {
-            return self.rough_face(iterate, friction);
+            return self.frictional_face(iterate, friction);
         }
         let count = self.blocks.contact_of(iterate).status.len();
         let neighbour = if history.one_by_one {
@@ -294,7 +294,7 @@ impl Faces<'_, '_> {
     }
 
     /// The next face with friction, by the rule that brings the iterate nearer to the law.
-    fn rough_face(
+    fn frictional_face(
         &self,
         iterate: &QpIterate,
         friction: &mut Friction,

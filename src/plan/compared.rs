@@ -18,7 +18,7 @@ pub(super) fn check(
         (Some((key, name)), None) => Err(SceneError::Unsupported(Violation {
             path: format!("solver.{key}"),
             message: format!(
-                "`{name}` is there to compare with, and only in programs built with the \
+                "`{name}` is there to compare with, and only in a `signorini` built with the \
                  feature `compare`"
             ),
         })),

@@ -35,8 +35,7 @@ pub(crate) struct ContactSizes {
     pub(crate) multipliers: u64,
     /// Number of vertices of candidate faces, each once.
     pub(crate) vertices: u64,
-    /// Whether only one level serves: rigid modes that only contact holds, or an
-    /// element that has no other.
+    /// Whether only one level serves: rigid modes that only contact holds, guides or friction.
     pub(crate) needs_one_level: bool,
     /// Whether tractions of friction are among the multipliers.
     pub(crate) is_frictional: bool,
@@ -167,7 +166,7 @@ fn check_frictional(
     };
     Err(Violation {
         path: path.to_owned(),
-        message: "friction is solved by `one-level`, `threshold-iteration` and `regularised-friction` in the metric `compliance` only".to_owned(),
+        message: "friction is solved by `one-level`, and to compare with by `threshold-iteration` and `regularised-friction`, in the metric `compliance` only".to_owned(),
     })
 }
 

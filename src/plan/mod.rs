@@ -108,13 +108,11 @@ impl Plan {
         mesh: &Mesh,
         comparisons: Option<Arc<dyn Comparisons>>,
     ) -> Result<Self, SceneError> {
-        let stated = problem::state(scene, steps, mesh)?;
-        compared::check(&scene.solver, comparisons.as_deref())?;
         let Stated {
             problem,
             fitted,
             surface_vertices,
-        } = stated;
+        } = problem::state(scene, steps, mesh, comparisons.as_deref())?;
         let mesh = fitted.as_ref().unwrap_or(mesh);
         let decisions = Decisions::new(&problem, surface_vertices, steps, mesh)?;
         let mut plan = Self {

@@ -5,7 +5,8 @@ use super::held_nodes::{HeldByPlanes, held_nodes};
 use super::settings::Settings;
 use super::surfaces::{self, ContactLayout, Surfaces};
 use super::units::ScaledMesh;
-use super::{Units, element, friction, overlap, true_surface};
+use super::{Units, compared, element, friction, overlap, true_surface};
+use crate::comparisons::Comparisons;
 use crate::mesh::{EdgeOffset, Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, ResolvedObstacle, build, resolve};
@@ -73,12 +74,18 @@ struct Items {
     units: Units,
 }
 
-/// The problem of `scene` and `steps` on `mesh`.
+/// The problem of `scene`, which may name methods of `comparisons`, and `steps` on `mesh`.
 ///
 /// # Errors
 /// [`SceneError`] with the path of every faulty key.
-pub(super) fn state(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Stated, SceneError> {
+pub(super) fn state(
+    scene: &Scene,
+    steps: &[Step],
+    mesh: &Mesh,
+    comparisons: Option<&dyn Comparisons>,
+) -> Result<Stated, SceneError> {
     let (resolved, obstacles) = resolve(scene, steps, mesh)?;
+    compared::check(&scene.solver, comparisons)?;
     let units = usable_units(scene, &resolved, mesh)?;
     let mut obstacles = build(obstacles, units.length)?;
     let fitted = true_surface::fitted(mesh, &obstacles);

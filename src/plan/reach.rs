@@ -2,11 +2,11 @@
 //! known of a tool.
 //!
 //! ```text
-//! least d over the path,   next pose as far on as d ([`crate::proximity::path`])
+//! least d over the path,   next pose as far on as d
 //! ```
 //!
-//! d the least distance of the vertices that may touch, of the body at rest, in its lengths.
-//! Cost: a distance a vertex for each of some poses, one of them where the tool begins at the body.
+//! d the least distance of the vertices that may touch, of the body at rest, in its lengths; the
+//! march along the path is that of [`crate::proximity::path`]. Cost: a distance a vertex for each of some poses, one of them where the tool begins at the body.
 
 use super::Units;
 use super::poses::Pose;

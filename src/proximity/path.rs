@@ -37,7 +37,7 @@ pub struct March {
     spacing: f64,
     /// Poses from which on the spacing is a share of the path.
     most: f64,
-    /// Length behind, and poses on it.
+    /// Length gone, and poses on it.
     gone: f64,
     poses: f64,
 }

@@ -1,8 +1,7 @@
-//! What a state says of contact, whatever the element: resultants of the obstacles,
+//! What a state says of contact: resultants of the obstacles,
 //! and pressure, gap and state on the candidate surfaces, in the caller's units.
 //!
-//! Everything is read from multipliers and the trace of the displacement `[nodes]`, so that
-//! elements differ in their trace only. Lists go interface by interface in the order of the
+//! Everything is read from multipliers and the trace of the displacement `[nodes]`. Lists go interface by interface in the order of the
 //! multipliers; results are by name. Cost: one probe a quadrature point of each surface.
 
 use std::collections::BTreeMap;
@@ -49,7 +48,7 @@ impl<'a> Touching<'a> {
         self.interfaces.placed(&self.state.drive, length)
     }
 
-    /// Results of all obstacles; `complete` adds what the element knows besides,
+    /// Results of all obstacles; `complete` adds what is known besides,
     /// given what was found there.
     pub(crate) fn results(
         &self,
@@ -98,7 +97,7 @@ impl<'a> Touching<'a> {
         )
     }
 
-    /// A resultant in the caller's units; what only some elements know is left out.
+    /// A resultant in the caller's units alone.
     fn result(&self, found: &Resultant) -> ObstacleResult {
         let units = &self.plan.problem.units;
         ObstacleResult {

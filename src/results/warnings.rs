@@ -38,7 +38,7 @@ const FEW_QUADRATIC: [usize; 2] = [4, 10];
 const ENOUGH: usize = 4;
 /// Depth over the length of the body from which on an obstacle is inside it that no face
 /// overlaps, or that a support presses the body into.
-const SWALLOWED: f64 = 1e-3;
+const INSIDE: f64 = 1e-3;
 /// Sagitta of facets over the squeeze that is worth a word.
 const COARSE_FACETS: f64 = 0.05;
 /// Rounding of strains over the largest strain that is worth a word.
@@ -132,7 +132,7 @@ fn missed(model: &Model<'_>, name: &str, overlap: f64) -> Option<Warning> {
 
 /// An obstacle inside the body where a support holds it.
 fn held_inside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
-    (touch.held_inside > SWALLOWED).then(|| {
+    (touch.held_inside > INSIDE).then(|| {
         let name = &touch.interface.name;
         let depth = touch.held_inside * model.plan.problem.units.length;
         Warning::new(
@@ -147,7 +147,7 @@ fn held_inside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
 /// An obstacle that lies inside the body and presses nowhere.
 fn interior_penetration(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
     let is_felt = touch.overlap() > 0.0;
-    (touch.inside > SWALLOWED && !is_felt).then(|| {
+    (touch.inside > INSIDE && !is_felt).then(|| {
         let (name, depth) = (&touch.interface.name, touch.inside * model.plan.problem.units.length);
         Warning::new(
             WarningKind::PassedThrough,
@@ -174,7 +174,7 @@ fn sunk(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
 
 /// An obstacle that presses, and lies inside the body where the scene lets it press nowhere.
 fn beside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
-    (touch.inside > SWALLOWED.max(touch.usual_depth())).then(|| {
+    (touch.inside > INSIDE.max(touch.usual_depth())).then(|| {
         let (name, depth) = (&touch.interface.name, touch.inside * model.plan.problem.units.length);
         Warning::new(
             WarningKind::MissedContact,

@@ -1,5 +1,4 @@
-//! A session: one state on shared prepared data, moved by load steps, whatever the
-//! element.
+//! A session: one state on shared prepared data, moved by load steps.
 //!
 //! A session owns two things that change: the state, which is all that a resumed session
 //! needs, and what the solver has learnt, which may be dropped between any two increments.

@@ -1,7 +1,7 @@
 //! The solver's own body: Taylor-Hood, linear or of finite strain.
 //!
 //! It is immutable: what changes is in the increment that it is lent to. An increment is
-//! one `Run` on it; the report is read from the state behind.
+//! one `Run` on it; the report is read from the state that follows.
 
 use std::sync::Arc;
 

@@ -169,7 +169,7 @@ impl Iterate {
     /// Residuals after a step that brings no progress at once: slender bodies turn against forces
     /// far smaller than those that turning by a straight line wakes in them, and the next program
     /// takes these off (Chamberlain, Powell, Lemarechal and Pedersen, Math. Programming Study 16,
-    /// 1982). None where it turns cells inside out, in linear bodies, on a fall, whose steps are
+    /// 1982). None where it turns cells inside out, in linear bodies, in a proximal flow, whose steps are
     /// small enough, and too often.
     fn non_monotone_step(
         &mut self,

@@ -9,6 +9,7 @@ mod common;
 mod access;
 mod alone;
 mod cancels;
+mod compared;
 mod deploy;
 mod limits;
 mod meshes;

@@ -10,7 +10,7 @@
 //! drive without contact, R takes the unknowns of candidate faces. G comes column by column
 //! where contact presses ([`columns`]); a sequence of dense cone problems with frozen normals
 //! solves for l ([`surface_problem`]), one solution with the factor then gives all fields.
-//! The state after is judged by the same residuals as any other, and the programs of
+//! The state that follows is judged by the same residuals as any other, and the programs of
 //! [`super::increment`] go on where they ask for it.
 //!
 //! For linear bodies that supports hold, without friction, pushed tools and pressures that

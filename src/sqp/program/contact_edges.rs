@@ -8,7 +8,7 @@
 //! their weight. The internal pressure takes p (u . n_1) (v . n_2) off along an edge, which the
 //! gaps of both faces hold and the areas of neither tell: in the corner of a box that is full at
 //! 4,000 shear moduli the body alone has one motion as soft as that, which no Lanczos step finds.
-//! A program whose contact_edges stay closed does not see the term; others see as many columns as there
+//! A program whose edges stay closed does not see the term; others see as many columns as there
 //! are such nodes. Cost: a pass over the closed multipliers.
 
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ const ALIKE: f64 = 0.9;
 
 /// The closed contacts of a node.
 #[derive(Default)]
-struct Seam {
+struct ContactEdge {
     /// Unit normals `[contacts][3]`.
     normals: Vec<[f64; 3]>,
     /// Largest pressure, and the largest weight.
@@ -33,7 +33,7 @@ struct Seam {
     weight: f64,
 }
 
-impl Seam {
+impl ContactEdge {
     /// Whether two of the normals are of different faces.
     fn is_bent(&self) -> bool {
         let pairs = self.normals.windows(2);
@@ -42,7 +42,7 @@ impl Seam {
 }
 
 /// G_s on free entries `[displacement, displacement]`, as what is taken off the stiffness; none
-/// without contact_edges.
+/// without such edges.
 pub(super) fn contact_edges(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     let c = model.prepared.space.components;
     let mut rows = vec![Vec::new(); state.displacement.len()];
@@ -68,9 +68,9 @@ pub(super) fn contact_edges(model: &Model<'_>, state: &State) -> Option<SparseRo
 }
 
 /// The closed contacts of the nodes.
-fn of_nodes(model: &Model<'_>, state: &State) -> BTreeMap<u32, Seam> {
+fn of_nodes(model: &Model<'_>, state: &State) -> BTreeMap<u32, ContactEdge> {
     let body = model.deformed(&state.displacement);
-    let mut nodes: BTreeMap<u32, Seam> = BTreeMap::new();
+    let mut nodes: BTreeMap<u32, ContactEdge> = BTreeMap::new();
     for (interface, met) in model.placed(&state.drive) {
         let surface = &interface.surface;
         let normals = mean_normals(&body, surface, &met);

@@ -20,7 +20,8 @@ use crate::model::state::State;
 pub(super) struct GeometricStiffness {
     /// Load stiffness `[displacement, displacement]`; none without loads that follow the body.
     pub(super) load: Option<SparseRows>,
-    /// That with the curvature of the gaps; none where it vanishes.
+    /// That with the curvature of the gaps and the turning of tangents; none where no pressure
+    /// bends them.
     pub(super) with_contact: Option<SparseRows>,
     /// Rows of the gaps and slips with the turning of tangents; none where none turn.
     pub(super) rows: Option<SparseRows>,

@@ -145,7 +145,7 @@ impl QuadraticProgram<'_> {
     pub(crate) fn curvature_along(&self, x: &[f64], work: &mut Workspace) -> f64 {
         let stiff = along(self.stiffness(), x, work) + self.volume_along(x, work);
         match self.geometric.all() {
-            Some(released_by_all) => stiff - along(released_by_all, x, work),
+            Some(geometric) => stiff - along(geometric, x, work),
             None => stiff,
         }
     }
