@@ -48,8 +48,8 @@ fn page() -> String {
     let mut page = String::from(
         "# Fallbacks\n\n\
         What is tried where the direct way fails. Each is kept because a test fails without it; those of a load path are decided in one\n\
-        place, `continuation::strategy`, and appear in results as [`attempts`](results.md). Counts: increments of examples, hard scenes and\n\
-        extremes in which it acted, as `tests/benches/rescues.py` found them; \"-\" where results do not tell.\n\n\
+        place, `continuation::strategy`, and appear in results as [`attempts`](results.md). Counts: increments of the\n\
+        examples in which it acted, as `tests/benches/rescues.py` found them; \"-\" where results do not tell.\n\n\
         | fallback | code | for | fails without it | acts in |\n|---|---|---|---|---|\n",
     );
     for [name, item, purpose, _, test] in RESCUES {
