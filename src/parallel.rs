@@ -5,11 +5,12 @@
 //! what was compiled. A call through a pointer is paid once a piece. Results do not depend on the
 //! number of threads: pieces are cut by their size alone.
 
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
-/// Blocks of a map at most: enough for the threads of a machine to end together.
+/// Blocks of a map at most: well above the threads of a machine, so that these end together. Not
+/// measured: results do not depend on it.
 const MOST_BLOCKS: usize = 256;
 
 /// Values in pieces of `size`, the last one shorter where they do not divide.
@@ -79,15 +80,18 @@ pub fn map<T: Send>(count: usize, least: usize, make: &(dyn Fn(usize) -> T + Syn
     numbered(made.len(), &|block| {
         let own = (block * size..count.min((block + 1) * size)).map(make);
         let own: Vec<T> = own.collect();
-        if let Ok(mut slot) = made[block].lock() {
-            *slot = own;
-        }
+        *locked(&made[block]) = own;
     });
     let mut all = Vec::with_capacity(count);
     for slot in made {
-        all.append(&mut slot.into_inner().unwrap_or_default());
+        all.append(&mut slot.into_inner().unwrap_or_else(PoisonError::into_inner));
     }
     all
+}
+
+/// The value of a lock under which nothing can panic.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// `body(k)` for k below `count`: compiled once.
@@ -110,12 +114,10 @@ impl<'f, W> Scratch<'f, W> {
 
     /// Runs `body` with one of them.
     pub fn lend<T>(&self, body: impl FnOnce(&mut W) -> T) -> T {
-        let spare = self.spare.lock().ok().and_then(|mut spare| spare.pop());
+        let spare = locked(&self.spare).pop();
         let mut own = spare.unwrap_or_else(|| (self.fresh)());
         let made = body(&mut own);
-        if let Ok(mut spare) = self.spare.lock() {
-            spare.push(own);
-        }
+        locked(&self.spare).push(own);
         made
     }
 }
