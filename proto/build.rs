@@ -36,7 +36,7 @@ fn main() -> Outcome<()> {
 }
 
 /// Messages that become JSON as they are.
-const SERIALISED: [&str; 17] = [
+const SERIALISED: [&str; 18] = [
     "Attempt",
     "CauseSite",
     "IterationReport",
@@ -46,6 +46,7 @@ const SERIALISED: [&str; 17] = [
     "Plan",
     "PlanEntry",
     "PlanOmission",
+    "SolverConstant",
     "ProbeResult",
     "Residuals",
     "Seconds",

@@ -20,7 +20,7 @@
 //!
 //! | part | rooms |
 //! |---|---|
-//! | ground | [`report`] words of all reports; [`parallel`] loops over pieces; [`linalg`] vectors, sparse and dense factors, the only door to faer; [`geometry`] points, tensors, rigid motions |
+//! | ground | [`report`] words of all reports; `constants` those of the solver's decisions, listed; [`parallel`] loops over pieces; [`linalg`] vectors, sparse and dense factors, the only door to faer; [`geometry`] points, tensors, rigid motions |
 //! | numbers wing | [`precond`] p-multigrid, P1 solvers, Schur metrics; [`krylov`] CG and GCR; [`saddle`] multiplier blocks and their admissible sets; [`inequality`] methods for blocks whose sets are not free |
 //! | mechanics wing | [`mesh`]; [`element`] rules and analytic fields; [`space`] numbering and interpolation; [`material`]; [`obstacle`]; [`assembly`] operators, masses, loads; [`contact`] gaps, guides and resultants; [`proximity`] how near a tool is to faces, cells and on its path |
 //! | the problem | [`scene`] as data, its choices enums; [`plan`] resolved items, decisions with reasons; [`prepare`] what is expensive and shared |
@@ -200,6 +200,9 @@
 #![doc = include_str!("decisions/0060-one-place-that-decides.md")]
 #![doc = include_str!("decisions/0061-loops-compiled-once.md")]
 
+#[macro_use]
+mod constants;
+
 pub mod assembly;
 pub mod comparisons;
 pub mod contact;
@@ -231,6 +234,7 @@ mod stability;
 mod verify;
 
 pub use comparisons::Comparisons;
+pub use constants::Constant;
 pub use mesh::{CellKind, EdgeOffset, Group, GroupKind, Mesh, MeshError, MeshId, MeshParts};
 pub use plan::{LeftOut, Plan, PlanEntry, PlanReport, PreparedKey};
 pub use prepare::{PrepareError, Prepared};
@@ -240,3 +244,17 @@ pub use report::{
 };
 pub use scene::{Scene, SceneError, Step, Violation};
 pub use session::{CheckpointError, ObstaclePose, Origin, Reuse, Rounding, Session, StepRun};
+
+/// The numeric constants of the rooms that search and decide, in the order of their files.
+pub fn constants() -> Vec<Constant> {
+    let rooms = [
+        continuation::constants(),
+        diagnosis::constants(),
+        force_control::constants(),
+        sqp::constants(),
+        stability::constants(),
+    ];
+    let mut all = rooms.concat();
+    all.sort_by_key(|one| one.file);
+    all
+}

@@ -15,12 +15,14 @@ use crate::model::state::State;
 use crate::model::travel::{least_distance, travel};
 use crate::proximity::path::March;
 
-/// Advance and depth, over the tool's radius, that are harmless.
-const HARMLESS: f64 = 0.5;
-/// Least advance between poses that are looked at, over the tool's radius.
-const POSE_SPACING: f64 = 0.25;
-/// Bounded parts after the first touch at most; a tool that would need more may pass.
-pub(super) const MOST_PARTS: f64 = 1000.0;
+constants! {
+    /// Advance and depth, over the tool's radius, that are harmless.
+    const HARMLESS: f64 = 0.5;
+    /// Least advance between poses that are looked at, over the tool's radius.
+    const POSE_SPACING: f64 = 0.25;
+    /// Bounded parts after the first touch at most; a tool that would need more may pass.
+    pub(super) const MOST_PARTS: f64 = 1000.0;
+}
 
 /// The longest part of the path from the drive of `state` to `goal` that may be taken from there,
 /// in (0, 1].

@@ -41,9 +41,11 @@ use penalty::{next_penalty, penalise};
 use snap_through::snap_through;
 use strategy::{Failure, LEAST_UNSTABLE_FRACTION, Next, Rules, Tried, after};
 
-/// How far the first snap-through leads, over the longest part: what a smaller part would find is
-/// on the way down.
-const FIRST_SNAP_THROUGH: f64 = 1.0 / 2.0;
+constants! {
+    /// How far the first snap-through leads, over the longest part: what a smaller part would find is
+    /// on the way down.
+    const FIRST_SNAP_THROUGH: f64 = 1.0 / 2.0;
+}
 
 /// The path from one drive to another.
 struct LoadPath<'w> {
@@ -324,4 +326,17 @@ fn note_trend(run: &mut Run<'_>, ending: &Ending, before: &State) {
         let known = run.learned.trend.take();
         run.learned.trend = Trend::noted(&run.model, known, before, run.state);
     }
+}
+
+/// The numeric constants of this room.
+pub(crate) fn constants() -> Vec<crate::constants::Constant> {
+    [
+        longest_part::own_constants(),
+        own_constants(),
+        parts::own_constants(),
+        penalty::own_constants(),
+        snap_through::own_constants(),
+        strategy::own_constants(),
+    ]
+    .concat()
 }

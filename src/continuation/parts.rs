@@ -8,8 +8,10 @@
 //! Fractions are of the path from its start to its goal, in [0, 1]; the last
 //! part ends at the goal exactly.
 
-/// Growth of the part after success.
-const GROWTH: f64 = 1.5;
+constants! {
+    /// Growth of the part after success.
+    const GROWTH: f64 = 1.5;
+}
 
 /// Parts of the path.
 pub(crate) struct Parts {

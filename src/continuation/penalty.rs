@@ -16,11 +16,13 @@ use crate::sqp::lowest_mode::LowestMode;
 use crate::sqp::program::QuadraticProgram;
 use crate::sqp::run::Run;
 
-/// Share of a motion's strain energy that is change of volume between the vertices, from which on
-/// it is one of the mesh: bodies buckle and roll with hardly any.
-const OF_THE_MESH: f64 = 0.45;
-/// First shares of a penalty: what the pair has moved wrongly comes back by degrees.
-const GENTLE: [f64; 2] = [0.0625, 0.25];
+constants! {
+    /// Share of a motion's strain energy that is change of volume between the vertices, from which on
+    /// it is one of the mesh: bodies buckle and roll with hardly any.
+    const OF_THE_MESH: f64 = 0.45;
+    /// First shares of a penalty: what the pair has moved wrongly comes back by degrees.
+    const GENTLE: [f64; 2] = [0.0625, 0.25];
+}
 
 /// The weight of the volume penalty where less of it may be what loses the equilibrium; `lost` is
 /// the motion along which one was seen to be unstable, `tried` the largest weight that led

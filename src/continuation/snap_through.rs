@@ -21,34 +21,42 @@ use crate::model::state::State;
 use crate::report::{Cause, Termination};
 use crate::sqp::increment;
 use crate::sqp::lowest_mode::{LowestMode, at_rest};
-use crate::sqp::proximal_flow::{Advance, End, Flow, Policy};
+use crate::sqp::proximal_flow::{Advance, End, Flow, Limits, Policy};
 use crate::sqp::run::Run;
 
-/// Programs that a step, or the end where it is tried, may take: where they are more a
-/// program leads anywhere.
-const PATIENCE: u32 = 8;
-/// The same after a step that failed: slender bodies turn far with little force, and programs
-/// go there by small parts.
-const MORE_PATIENCE: u32 = 24;
-/// Residuals that a step may leave.
-const ROUGH: f64 = 1e-3;
-/// Share of what moves the body that a step may leave.
-const REDUCTION: f64 = 0.05;
-/// Largest motion of the first push, over the body's length.
-const PUSH: f64 = 5e-3;
-/// First weight over what the softest motion lacks, and beside it over its stiffness at
-/// rest.
-const FIRST_WEIGHT: [f64; 2] = [4.0, 0.2];
-/// Least weight after a saddle over the first.
-const LEAST_WEIGHT: f64 = 0.4;
-/// Change of the least weight after a step with a larger force than all before.
-const RECEDING: f64 = 0.8;
-/// Change of the weight after a step that was solved.
-const LIGHTER: f64 = 0.5;
-/// Steps with one weight after a failure.
-const REST: u32 = 4;
-/// Share of the strongest force at which the end is tried, and of the last that was tried.
-const EBB: f64 = 0.2;
+constants! {
+    /// Programs that a step, or the end where it is tried, may take: where they are more a
+    /// program leads anywhere.
+    const PATIENCE: u32 = 8;
+    /// The same after a step that failed: slender bodies turn far with little force, and programs
+    /// go there by small parts.
+    const MORE_PATIENCE: u32 = 24;
+    /// Residuals that a step may leave.
+    const ROUGH: f64 = 1e-3;
+    /// Share of what moves the body that a step may leave.
+    const REDUCTION: f64 = 0.05;
+    /// Largest motion of the first push, over the body's length.
+    const PUSH: f64 = 5e-3;
+    /// First weight over what the softest motion lacks, and beside it over its stiffness at
+    /// rest.
+    const FIRST_WEIGHT: [f64; 2] = [4.0, 0.2];
+    /// Least weight after a saddle over the first.
+    const LEAST_WEIGHT: f64 = 0.4;
+    /// Change of the least weight after a step with a larger force than all before.
+    const RECEDING: f64 = 0.8;
+    /// Steps at most.
+    const MOST_STEPS: u32 = 80;
+    /// Failures one after the other that end the flow.
+    const MOST_FAILURES: u32 = 6;
+    /// Change of the weight after a step that was not solved.
+    const HEAVIER: f64 = 4.0;
+    /// Change of the weight after a step that was solved.
+    const LIGHTER: f64 = 0.5;
+    /// Steps with one weight after a failure.
+    const REST: u32 = 4;
+    /// Share of the strongest force at which the end is tried, and of the last that was tried.
+    const EBB: f64 = 0.2;
+}
 
 /// Moves the state, a minimum, down to one under `drive`, and says what was lost on the way; the
 /// state is of no use where that does not converge.
@@ -83,8 +91,11 @@ struct SnapThrough {
 }
 
 impl Policy for SnapThrough {
-    const MOST: [u32; 2] = [80, 6];
-    const HEAVIER: f64 = 4.0;
+    const LIMITS: Limits = Limits {
+        steps: MOST_STEPS,
+        failures: MOST_FAILURES,
+        heavier: HEAVIER,
+    };
 
     fn conditions(&mut self, run: &mut Run<'_>) -> Conditions {
         let now = run.evaluate();

@@ -13,18 +13,21 @@
 
 use crate::report::{Cause, Strategy};
 
-/// Smallest part of an increment that cut-backs try, and of the longest part where tools bound
-/// it to less: what fails there fails anew after each small part.
-const LEAST_FRACTION: f64 = 1.0 / 64.0;
-const LEAST_BOUNDED_FRACTION: f64 = 1.0 / 4.0;
-/// Smallest part of the longest one that looks for the last minimum: near the end of stability
-/// every part is dear, and none leads far.
-pub(super) const LEAST_UNSTABLE_FRACTION: f64 = 1.0 / 8.0;
-/// Failures one after the other that bring a volume penalty in.
-const PATIENCE: u32 = 2;
-/// The same with friction, where no certificate says that a state is soft: the iterations stop
-/// where it is, and smaller parts only come nearer.
-const PATIENCE_WITH_FRICTION: u32 = 1;
+constants! {
+    /// Smallest part of an increment that cut-backs try: what fails there fails anew after each small
+    /// part.
+    const LEAST_FRACTION: f64 = 1.0 / 64.0;
+    /// The same of the longest part, where tools bound it to less.
+    const LEAST_BOUNDED_FRACTION: f64 = 1.0 / 4.0;
+    /// Smallest part of the longest one that looks for the last minimum: near the end of stability
+    /// every part is dear, and none leads far.
+    pub(super) const LEAST_UNSTABLE_FRACTION: f64 = 1.0 / 8.0;
+    /// Failures one after the other that bring a volume penalty in.
+    const PATIENCE: u32 = 2;
+    /// The same with friction, where no certificate says that a state is soft: the iterations stop
+    /// where it is, and smaller parts only come nearer.
+    const PATIENCE_WITH_FRICTION: u32 = 1;
+}
 
 /// A part that failed.
 #[derive(Clone, Copy, Debug, Default)]

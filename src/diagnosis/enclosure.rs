@@ -18,13 +18,15 @@ use crate::model::drive::Drive;
 use crate::model::state::State;
 use crate::obstacle::{Contact, Derivatives, Obstacle};
 
-/// Share of what overlaps and is open by which one has to exceed the other: what is left of the
-/// volumes by faces that are not flat.
-const UNEVEN: f64 = 0.02;
-/// Cosine of the angle up to which an obstacle is in front of a face.
-const FACING: f64 = 0.5;
-/// Share of a constant pressure's forces that is rounding.
-const CLOSED: f64 = 1e-6;
+constants! {
+    /// Share of what overlaps and is open by which one has to exceed the other: what is left of the
+    /// volumes by faces that are not flat.
+    const UNEVEN: f64 = 0.02;
+    /// Cosine of the angle up to which an obstacle is in front of a face.
+    const FACING: f64 = 0.5;
+    /// Share of a constant pressure's forces that is rounding.
+    const CLOSED: f64 = 1e-6;
+}
 
 /// Whether no side of a body that keeps its volume is free, and obstacles at `goal` face all that
 /// they may touch and overlap it, as `state` has it, by more than they leave open.

@@ -19,14 +19,16 @@ use crate::report::{Cause, Termination};
 use crate::sqp::run::Run;
 use enclosure::{constant_pressure_force, is_full};
 
-/// Least eigenvalue over that at rest below which a body is about to snap.
-const SOFT: f64 = 0.1;
-/// Share of a constant pressure's forces that contact may leave.
-const CLOSED: f64 = 1e-6;
-/// Sum of forces over the sum of their sizes below which they balance.
-const BALANCED: f64 = 1e-9;
-/// Gap over the length of the body up to which an obstacle may come to touch.
-const NEAR: f64 = 0.1;
+constants! {
+    /// Least eigenvalue over that at rest below which a body is about to snap.
+    const SOFT: f64 = 0.1;
+    /// Share of a constant pressure's forces that contact may leave.
+    const CLOSED: f64 = 1e-6;
+    /// Sum of forces over the sum of their sizes below which they balance.
+    const BALANCED: f64 = 1e-9;
+    /// Gap over the length of the body up to which an obstacle may come to touch.
+    const NEAR: f64 = 0.1;
+}
 
 /// Names what the Krylov method could only notice as stagnation.
 pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
@@ -209,6 +211,17 @@ fn is_numerical(ending: &Ending) -> bool {
                 | Cause::IndefiniteTangent
         )
     )
+}
+
+/// The numeric constants of this room.
+pub(crate) fn constants() -> Vec<crate::constants::Constant> {
+    [
+        enclosure::own_constants(),
+        own_constants(),
+        site::own_constants(),
+        uniqueness::own_constants(),
+    ]
+    .concat()
 }
 
 #[cfg(test)]

@@ -21,10 +21,12 @@ use crate::report::Cause;
 use crate::results::finite_strain::volume_ratio;
 use crate::sqp::run::Run;
 
-/// Passes over the normals of all obstacles; each brings the sum nearer to its least.
-const MOST_SWEEPS: usize = 100;
-/// Sum of forces over their norm below which they are a couple, or rounding.
-const BALANCED: f64 = 1e-6;
+constants! {
+    /// Passes over the normals of all obstacles; each brings the sum nearer to its least.
+    const MOST_SWEEPS: usize = 100;
+    /// Sum of forces over their norm below which they are a couple, or rounding.
+    const BALANCED: f64 = 1e-6;
+}
 
 /// Where the cause of `ending` lies on the way to `goal`; none where nothing is known.
 pub(crate) fn locate(run: &mut Run<'_>, ending: &Ending, goal: &Drive) -> Option<Site> {

@@ -20,8 +20,10 @@ use crate::sqp::contact_metric::ContactMetric;
 use crate::sqp::run::Run;
 use crate::sqp::volumes::volumes;
 
-/// Multipliers at most, whose factor is not felt.
-const MOST: usize = 900;
+constants! {
+    /// Multipliers at most, whose factor is not felt.
+    const MOST: usize = 900;
+}
 
 /// Notes in `ending` what speaks for another equilibrium under the same drive.
 pub(crate) fn look_for_an_alternative(run: &mut Run<'_>, ending: &mut Ending) {

@@ -18,20 +18,22 @@ use crate::sqp::contact_metric::evenly;
 use crate::sqp::program::QuadraticProgram;
 use crate::sqp::run::Run;
 
-/// Distance over the body's length that counts as touch.
-const TOUCH: f64 = 1e-9;
-/// Distances that are looked at on the way.
-const MOST_DISTANCES: u32 = 200;
-/// Way over the body's length after which nothing comes any more.
-const FARTHEST: f64 = 1e3;
-/// First advance beyond touch, and the longest one.
-const ADVANCES: [f64; 2] = [1e-3, 0.3];
-/// Dense problems at most.
-const MOST_PROBLEMS: u32 = 48;
-/// Width of what is left to search over its upper end at which the search ends.
-const NARROW: f64 = 1e-12;
-/// Share of the force that is near enough.
-const NEAR: f64 = 0.02;
+constants! {
+    /// Distance over the body's length that counts as touch.
+    const TOUCH: f64 = 1e-9;
+    /// Distances that are looked at on the way.
+    const MOST_DISTANCES: u32 = 200;
+    /// Way over the body's length after which nothing comes any more.
+    const FARTHEST: f64 = 1e3;
+    /// First advance beyond touch, and the longest one.
+    const ADVANCES: [f64; 2] = [1e-3, 0.3];
+    /// Dense problems at most.
+    const MOST_PROBLEMS: u32 = 48;
+    /// Width of what is left to search over its upper end at which the search ends.
+    const NARROW: f64 = 1e-12;
+    /// Share of the force that is near enough.
+    const NEAR: f64 = 0.02;
+}
 
 /// Leads the obstacles of `controls` that exert nothing and shall exert `goal` `[controls]` to
 /// touch, in the state; the step that goes on from there, none where all touch already or one

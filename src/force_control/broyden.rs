@@ -10,28 +10,30 @@ use crate::model::ending::Ending;
 use crate::report::Termination;
 use crate::sqp::push_stiffness::LONGEST;
 
-/// Growth of the misfit after which a step is taken back.
-const WORSE: f64 = 1.5;
-/// Part of a step that led away which is tried next.
-const SHORTER: f64 = 0.25;
-/// Share of the misfit that a step has to take off.
-const PROGRESS: f64 = 0.1;
-/// Error of forces over the largest one and the accuracy of the solve.
-const NOISE: f64 = 10.0;
-/// Steps without a halved misfit after which its side is asked for: a ball dragged over a slab
-/// beyond what friction bears takes 593 applications by 8, 616 by 12.
-const MOST_STALLED: u32 = 8;
-/// Steps against the one before among them: a wave on a slab, met slowly, has none that count.
-const MOST_REVERSALS: u32 = 2;
-/// Rises of the misfit, one after the other, after which the largest force is passed, and the ratio
-/// of one: beyond it a roller's misfit rises by 5 %, a ball's by 7 % a step; that of a cylinder that
-/// slides to where it is in balance goes up and down.
-const MOST_RISES: u32 = 6;
-const RISE: f64 = 1.01;
-/// Mean of misfits, each over its norm, from which on they lie on one side.
-const ONE_SIDED: f64 = 0.5;
-/// Misfits over the tolerance that count where the search comes no nearer.
-const NEAR: f64 = 10.0;
+constants! {
+    /// Growth of the misfit after which a step is taken back.
+    const WORSE: f64 = 1.5;
+    /// Part of a step that led away which is tried next.
+    const SHORTER: f64 = 0.25;
+    /// Share of the misfit that a step has to take off.
+    const PROGRESS: f64 = 0.1;
+    /// Error of forces over the largest one and the accuracy of the solve.
+    const NOISE: f64 = 10.0;
+    /// Steps without a halved misfit after which its side is asked for: a ball dragged over a slab
+    /// beyond what friction bears takes 593 applications by 8, 616 by 12.
+    const MOST_STALLED: u32 = 8;
+    /// Steps against the one before among them: a wave on a slab, met slowly, has none that count.
+    const MOST_REVERSALS: u32 = 2;
+    /// Rises of the misfit, one after the other, after which the largest force is passed; that of a
+    /// cylinder that slides to where it is in balance goes up and down.
+    const MOST_RISES: u32 = 6;
+    /// Ratio of a rise: beyond the largest force a roller's misfit rises by 5 %, a ball's by 7 % a step.
+    const RISE: f64 = 1.01;
+    /// Mean of misfits, each over its norm, from which on they lie on one side.
+    const ONE_SIDED: f64 = 0.5;
+    /// Misfits over the tolerance that count where the search comes no nearer.
+    const NEAR: f64 = 10.0;
+}
 
 /// How far a search has come.
 pub(super) struct Progress {

@@ -18,8 +18,10 @@ use crate::sqp::program::QuadraticProgram;
 use crate::sqp::push_stiffness::PushStiffness;
 use crate::sqp::run::Run;
 
-/// Force over way of a punch, over the body's length and shear modulus.
-const PUNCH: f64 = 1.0;
+constants! {
+    /// Force over way of a punch, over the body's length and shear modulus.
+    const PUNCH: f64 = 1.0;
+}
 
 /// As the metric says at the present state.
 pub(super) fn by_metric(run: &mut Run<'_>, controls: &[Control]) -> PushStiffness {

@@ -36,31 +36,33 @@ use by_metric::by_metric;
 use gap_changes::gap_changes;
 use least_slip::least_slip;
 
-/// Solves at most.
-const MOST_SOLVES: u32 = 40;
-/// Steps that led away or nowhere, one after the other, after which one more ends the search.
-const MOST_FAILURES: u32 = 6;
-/// Times that obstacles which the body has left are led back to it.
-const MOST_APPROACHES: u32 = 3;
-/// Accuracy of the first solve, and the misfit below which growth is no matter.
-const COARSE: f64 = 1e-3;
-/// Accuracy of the first solve after touch for one component, of whose force the metric is
-/// some tenths wrong; several have directions that hardly show, and want a sharper one.
-const ROUGH: f64 = 0.05;
-/// Accuracy of a solve over the misfit before it, for one component and for several, whose
-/// stiffness is learnt.
-const SHARPNESS: [f64; 2] = [0.05, 0.02];
-/// Share of the misfit left by a step after which the stiffness wants to be learnt.
-const SLOW: f64 = 0.3;
-/// Share of the stiffness that the metric says, least and most, that is believed of a body.
-const STIFFER: [f64; 2] = [0.5, 2.0];
-/// Change of forces over what was expected that shows nothing of a step.
-const UNNOTICED: f64 = 0.1;
-/// Share of a push that nothing balances from which on there is no equilibrium.
-const UNBALANCED: f64 = 1e-3;
-/// Steps as long as they may be, one after the other, that take nothing off: the obstacle slides
-/// away.
-const MOST_SLIDES: u32 = 3;
+constants! {
+    /// Solves at most.
+    const MOST_SOLVES: u32 = 40;
+    /// Steps that led away or nowhere, one after the other, after which one more ends the search.
+    const MOST_FAILURES: u32 = 6;
+    /// Times that obstacles which the body has left are led back to it.
+    const MOST_APPROACHES: u32 = 3;
+    /// Accuracy of the first solve, and the misfit below which growth is no matter.
+    const COARSE: f64 = 1e-3;
+    /// Accuracy of the first solve after touch for one component, of whose force the metric is
+    /// some tenths wrong; several have directions that hardly show, and want a sharper one.
+    const ROUGH: f64 = 0.05;
+    /// Accuracy of a solve over the misfit before it, for one component and for several, whose
+    /// stiffness is learnt.
+    const SHARPNESS: [f64; 2] = [0.05, 0.02];
+    /// Share of the misfit left by a step after which the stiffness wants to be learnt.
+    const SLOW: f64 = 0.3;
+    /// Share of the stiffness that the metric says, least and most, that is believed of a body.
+    const STIFFER: [f64; 2] = [0.5, 2.0];
+    /// Change of forces over what was expected that shows nothing of a step.
+    const UNNOTICED: f64 = 0.1;
+    /// Share of a push that nothing balances from which on there is no equilibrium.
+    const UNBALANCED: f64 = 1e-3;
+    /// Steps as long as they may be, one after the other, that take nothing off: the obstacle slides
+    /// away.
+    const MOST_SLIDES: u32 = 3;
+}
 
 /// Moves the state to equilibrium under `drive`, with the poses that its pushes ask for.
 pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
@@ -399,4 +401,15 @@ fn unit(units: &Units, axis: usize) -> f64 {
         0..3 => units.force(),
         _ => units.energy(),
     }
+}
+
+/// The numeric constants of this room.
+pub(crate) fn constants() -> Vec<crate::constants::Constant> {
+    [
+        approach::own_constants(),
+        broyden::own_constants(),
+        by_metric::own_constants(),
+        own_constants(),
+    ]
+    .concat()
 }

@@ -31,15 +31,17 @@ use crate::results::estimate::{contact_modulus, estimate, punch_stiffness};
 use crate::saddle::SetPoint;
 use crate::scene::ToleranceRule;
 
-/// Tolerance of the first round.
-const COARSE: f64 = 1e-3;
-/// Algebraic over discretisation error, both in the energy norm.
-const SHARE: f64 = 0.1;
-/// A round lowers the tolerance at least by this factor.
-const LEAST_REDUCTION: f64 = 0.5;
-/// Aim below what is needed, for what a round does not reduce evenly: of what is left, smooth
-/// errors weigh most in L2.
-const MARGIN: f64 = 0.3;
+constants! {
+    /// Tolerance of the first round.
+    const COARSE: f64 = 1e-3;
+    /// Algebraic over discretisation error, both in the energy norm.
+    const SHARE: f64 = 0.1;
+    /// A round lowers the tolerance at least by this factor.
+    const LEAST_REDUCTION: f64 = 0.5;
+    /// Aim below what is needed, for what a round does not reduce evenly: of what is left, smooth
+    /// errors weigh most in L2.
+    const MARGIN: f64 = 0.3;
+}
 
 /// Moves the state to equilibrium under `drive`, as accurately as the scene asks.
 pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {

@@ -21,16 +21,17 @@ use crate::prepare::ApproximateInverse;
 use crate::saddle::SharedModes;
 use crate::scene::MetricKind;
 
-/// What the power iteration may miss of the compliance's largest ratio: without it
-/// fixed steps diverge on a compressible block.
-const MARGIN: f64 = 1.5;
-
-/// Share of a volume's mode that contact has to take up for both pressures to be solved
-/// together: that of a volume with other free surfaces is left to the metrics, which counts
-/// say is better.
-const ENCLOSED: f64 = 0.9;
-/// That of a stretch of a thin body, whose volume has neighbours to go to.
-const THIN: f64 = 0.3;
+constants! {
+    /// What the power iteration may miss of the compliance's largest ratio: without it
+    /// fixed steps diverge on a compressible block.
+    const MARGIN: f64 = 1.5;
+    /// Share of a volume's mode that contact has to take up for both pressures to be solved
+    /// together: that of a volume with other free surfaces is left to the metrics, which counts
+    /// say is better.
+    const ENCLOSED: f64 = 0.9;
+    /// That of a stretch of a thin body, whose volume has neighbours to go to.
+    const THIN: f64 = 0.3;
+}
 
 /// The metric at one linearisation.
 pub(crate) struct ContactMetric {

@@ -23,23 +23,25 @@ use crate::model::prescribed::{carry, prescribe, remaining_motion};
 use crate::model::state::State;
 use crate::report::{Cause, Residuals, Termination};
 
-/// Programs of a linear problem that may leave the residual as it is: rounding does.
-const MOST_IDLE: u32 = 5;
-/// Residual up to which a linear problem is solved whose rounding hides the rest: by 1e12 between
-/// moduli 1e-4 are hidden, and forces still are right to 1e-6.
-const MOST_ROUNDING: f64 = 1e-3;
-/// The same of a body of finite strain, which turns against forces that grow before they fall: a
-/// bonded block of 32 cells ends at the same load after 12 s with this and after 27 to 35 s without.
-const MOST_IDLE_AT_FINITE_STRAIN: u32 = 12;
-/// Steps of an increment that are taken without progress.
-const MOST_NON_MONOTONE: u32 = 3;
-/// Level of a program over the tolerance: what the recomputed residual adds has room.
-const MARGIN: f64 = 0.95;
-/// The level over that of a program that took no iteration though the state was not solved: a press
-/// that comes back to just touch takes 8 programs with it, 13 without.
-const SHARPER: f64 = 0.3;
-/// First reduction asked of a program with a curved gap.
-const FIRST_REDUCTION: f64 = 1e-2;
+constants! {
+    /// Programs of a linear problem that may leave the residual as it is: rounding does.
+    const MOST_IDLE: u32 = 5;
+    /// Residual up to which a linear problem is solved whose rounding hides the rest: by 1e12 between
+    /// moduli 1e-4 are hidden, and forces still are right to 1e-6.
+    const MOST_ROUNDING: f64 = 1e-3;
+    /// The same of a body of finite strain, which turns against forces that grow before they fall: a
+    /// bonded block of 32 cells ends at the same load after 12 s with this and after 27 to 35 s without.
+    const MOST_IDLE_AT_FINITE_STRAIN: u32 = 12;
+    /// Steps of an increment that are taken without progress.
+    const MOST_NON_MONOTONE: u32 = 3;
+    /// Level of a program over the tolerance: what the recomputed residual adds has room.
+    const MARGIN: f64 = 0.95;
+    /// The level over that of a program that took no iteration though the state was not solved: a press
+    /// that comes back to just touch takes 8 programs with it, 13 without.
+    const SHARPER: f64 = 0.3;
+    /// First reduction asked of a program with a curved gap.
+    const FIRST_REDUCTION: f64 = 1e-2;
+}
 
 /// Where the programs of an increment have come to.
 struct Iterate {

@@ -48,3 +48,27 @@ pub(crate) mod trend;
 pub(crate) mod verdict;
 pub(crate) mod volumes;
 pub(crate) mod watch;
+
+/// The numeric constants of this room.
+pub(crate) fn constants() -> Vec<crate::constants::Constant> {
+    [
+        accuracy::own_constants(),
+        condensation::constants(),
+        condensation::contact_alone::own_constants(),
+        contact_metric::own_constants(),
+        increment::own_constants(),
+        near_compliance::own_constants(),
+        preconditioner_refresh::own_constants(),
+        predictor::own_constants(),
+        program::constants(),
+        proximal_rest::own_constants(),
+        push_stiffness::own_constants(),
+        rigid_predictor::own_constants(),
+        run::own_constants(),
+        scales::own_constants(),
+        search::own_constants(),
+        trend::own_constants(),
+        verdict::own_constants(),
+    ]
+    .concat()
+}

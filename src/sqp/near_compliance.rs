@@ -19,14 +19,16 @@ use crate::model::evaluate::Evaluation;
 use crate::model::interfaces::Interface;
 use crate::model::state::State;
 
-/// Distance over the mean length of a face within which contact is near: an X-ring on a rod takes
-/// 868 solutions in all with one face and 646 with two, which no more change.
-const NEAR: f64 = 2.0;
-/// Loads that are solved for together: some 700 on a breast take 0.27 s by 16, 0.22 s by 32, 0.19 s
-/// by 64 and by 128.
-const BATCH: usize = 64;
-/// What keeps the rounding of dependent rows from making W indefinite, over its diagonal.
-const ROUNDING: f64 = 1e-9;
+constants! {
+    /// Distance over the mean length of a face within which contact is near: an X-ring on a rod takes
+    /// 868 solutions in all with one face and 646 with two, which no more change.
+    const NEAR: f64 = 2.0;
+    /// Loads that are solved for together: some 700 on a breast take 0.27 s by 16, 0.22 s by 32, 0.19 s
+    /// by 64 and by 128.
+    const BATCH: usize = 64;
+    /// What keeps the rounding of dependent rows from making W indefinite, over its diagonal.
+    const ROUNDING: f64 = 1e-9;
+}
 
 /// W.
 #[derive(Debug)]

@@ -8,10 +8,12 @@ use std::sync::Arc;
 
 use crate::prepare::ApproximateInverse;
 
-/// Applications a decade, over those of the first program, that are too many.
-const DEAR: f64 = 3.0;
-/// Reductions below this say little of a rate.
-const LEAST_DECADES: f64 = 0.5;
+constants! {
+    /// Applications a decade, over those of the first program, that are too many.
+    const DEAR: f64 = 3.0;
+    /// Reductions below this say little of a rate.
+    const LEAST_DECADES: f64 = 0.5;
+}
 
 /// The approximate inverse in use and what it costs.
 #[derive(Debug, Default)]

@@ -35,11 +35,12 @@ use crate::model::prescribed::{prescribe, remaining_motion};
 use crate::model::state::State;
 use crate::model::tangent::Tangent;
 
-/// Residual of the gaps, over its scale, up to which contact counts as followed.
-const GAPS_HOLD: f64 = 0.05;
-
-/// Distance of a support, over the body's length, that a prediction leaves by rounding.
-const ROUND_OFF: f64 = 1e-12;
+constants! {
+    /// Residual of the gaps, over its scale, up to which contact counts as followed.
+    const GAPS_HOLD: f64 = 0.05;
+    /// Distance of a support, over the body's length, that a prediction leaves by rounding.
+    const ROUND_OFF: f64 = 1e-12;
+}
 
 /// A state under the new drive, and what the motion of its supports makes of it.
 struct Start {

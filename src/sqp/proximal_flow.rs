@@ -41,12 +41,20 @@ pub(crate) enum End {
     Elsewhere,
 }
 
+/// What ends a flow, and what a failure changes.
+pub(crate) struct Limits {
+    /// Steps at most.
+    pub(crate) steps: u32,
+    /// Failures one after the other that end the flow.
+    pub(crate) failures: u32,
+    /// Change of the weight after a step that was not solved.
+    pub(crate) heavier: f64,
+}
+
 /// How a flow goes.
 pub(crate) trait Policy {
-    /// Steps at most, and failures one after the other that end the flow.
-    const MOST: [u32; 2];
-    /// Change of the weight after a step that was not solved.
-    const HEAVIER: f64;
+    /// What ends it.
+    const LIMITS: Limits;
 
     /// Those of the next step, which are those of `run` but for the proximal term.
     fn conditions(&mut self, run: &mut Run<'_>) -> Conditions;
@@ -87,7 +95,7 @@ impl Flow {
         drive: &Drive,
         policy: &mut P,
     ) -> Ending {
-        let [most_steps, most_failures] = P::MOST;
+        let limits = P::LIMITS;
         let (mut steps, mut failures) = (0, 0);
         loop {
             let before = run.state.clone();
@@ -99,11 +107,11 @@ impl Flow {
             if ending.termination != Termination::Converged {
                 failures += 1;
                 let is_over = policy.fail(run, &mut ending);
-                if is_over || failures == most_failures || steps == most_steps {
+                if is_over || failures == limits.failures || steps == limits.steps {
                     return ending;
                 }
                 *run.state = before;
-                self.weight *= P::HEAVIER;
+                self.weight *= limits.heavier;
                 continue;
             }
             failures = 0;
@@ -119,7 +127,7 @@ impl Flow {
             if let Some(ending) = ended {
                 return ending;
             }
-            if steps == most_steps {
+            if steps == limits.steps {
                 return increment::out_of_iterations(run);
             }
         }

@@ -8,7 +8,7 @@
 //! is no equilibrium. Non-dimensional. Cost: three to ten solves, of scenes that would fail.
 
 use super::increment::{residuals, solve as solve_at_once};
-use super::proximal_flow::{Advance, End, Flow, Policy};
+use super::proximal_flow::{Advance, End, Flow, Limits, Policy};
 use super::run::Run;
 use crate::linalg::vector::largest;
 use crate::model::conditions::Conditions;
@@ -17,19 +17,28 @@ use crate::model::ending::Ending;
 use crate::model::state::State;
 use crate::report::{Attempt, Cause, Strategy, Termination};
 
-/// First t, in mu / L^2: M holds vertices and edges, rigid motions move vertices alone.
-const FIRST_WEIGHT: f64 = 2e-2;
-/// Change of t after a step that hardly changes the force of the flow.
-const LIGHTER: f64 = 0.25;
-/// Residual that a step may leave over that before it, and at most.
-const SHARPNESS: [f64; 2] = [0.01, 1e-3];
-/// Force over that of the step before from which on a lighter t is tried.
-const SLOW: f64 = 0.3;
-/// The same from which on nothing resists, and such steps one after the other that show it.
-const UNRESISTED: f64 = 0.99;
-const MOST_UNRESISTED: u32 = 8;
-/// Force over that at the last trial of the end at which the end is tried.
-const EBB: f64 = 0.1;
+constants! {
+    /// First t, in mu / L^2: M holds vertices and edges, rigid motions move vertices alone.
+    const FIRST_WEIGHT: f64 = 2e-2;
+    /// Steps at most.
+    const MOST_STEPS: u32 = 40;
+    /// Failures one after the other that end the flow.
+    const MOST_FAILURES: u32 = 3;
+    /// Change of t after a step that was not solved.
+    const HEAVIER: f64 = 8.0;
+    /// Change of t after a step that hardly changes the force of the flow.
+    const LIGHTER: f64 = 0.25;
+    /// Residual that a step may leave over that before it, and at most.
+    const SHARPNESS: [f64; 2] = [0.01, 1e-3];
+    /// Force over that of the step before from which on a lighter t is tried.
+    const SLOW: f64 = 0.3;
+    /// The same from which on nothing resists.
+    const UNRESISTED: f64 = 0.99;
+    /// Such steps one after the other that show it.
+    const MOST_UNRESISTED: u32 = 8;
+    /// Force over that at the last trial of the end at which the end is tried.
+    const EBB: f64 = 0.1;
+}
 
 /// Moves the state to equilibrium under `drive`: at once, or by a flow where that fails and
 /// nothing but contact holds the body.
@@ -87,8 +96,11 @@ impl Default for Rest {
 }
 
 impl Policy for Rest {
-    const MOST: [u32; 2] = [40, 3];
-    const HEAVIER: f64 = 8.0;
+    const LIMITS: Limits = Limits {
+        steps: MOST_STEPS,
+        failures: MOST_FAILURES,
+        heavier: HEAVIER,
+    };
 
     fn conditions(&mut self, run: &mut Run<'_>) -> Conditions {
         let conditions = run.model.conditions.clone();

@@ -13,10 +13,12 @@ use crate::linalg::eigen::symmetric;
 use crate::linalg::vector::{add_scaled, dot, norm, scale};
 use crate::model::push::Control;
 
-/// Singular value over the largest below which obstacles move freely.
-const FREE: f64 = 1e-7;
-/// Longest step, over the body's length and in radians.
-pub(crate) const LONGEST: f64 = 0.1;
+constants! {
+    /// Singular value over the largest below which obstacles move freely.
+    const FREE: f64 = 1e-7;
+    /// Longest step, over the body's length and in radians.
+    pub(crate) const LONGEST: f64 = 0.1;
+}
 
 /// J of some controls.
 #[derive(Clone, Debug)]

@@ -18,9 +18,11 @@ use crate::geometry::vector3::{add, max_norm, scale, sub};
 use crate::model::Model;
 use crate::model::drive::Drive;
 
-/// Difference of two motions, angles and parts of the body's length, below which they
-/// are the same.
-const SAME: f64 = 1e-9;
+constants! {
+    /// Difference of two motions, angles and parts of the body's length, below which they
+    /// are the same.
+    const SAME: f64 = 1e-9;
+}
 /// The identity: no rotation.
 const UNTURNED: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 

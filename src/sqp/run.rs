@@ -14,15 +14,17 @@ use crate::model::evaluate::{Evaluation, evaluate};
 use crate::model::state::State;
 use crate::report::Termination;
 
-/// Applications of an increment, over the mean of those that converged, after which nothing is
-/// tried anew that has failed: a corner that turns inside out took 250 times the mean.
-const MOST_OF_MEAN: u32 = 20;
-/// The least such bound, applications: the increment in which a straight cantilever bends aside
-/// takes more than 2,000, one of guides-cube-60 2,340.
-const LEAST_BOUND: u32 = 5_000;
-/// The same before an increment has converged: a cylinder pressed by a force with friction 100
-/// would spend 43,000 on parts of parts.
-const MOST_APPLICATIONS: u32 = 10_000;
+constants! {
+    /// Applications of an increment, over the mean of those that converged, after which nothing is
+    /// tried anew that has failed: a corner that turns inside out took 250 times the mean.
+    const MOST_OF_MEAN: u32 = 20;
+    /// The least such bound, applications: the increment in which a straight cantilever bends aside
+    /// takes more than 2,000, one of guides-cube-60 2,340.
+    const LEAST_BOUND: u32 = 5_000;
+    /// The same before an increment has converged: a cylinder pressed by a force with friction 100
+    /// would spend 43,000 on parts of parts.
+    const MOST_APPLICATIONS: u32 = 10_000;
+}
 
 /// One increment under way.
 pub(crate) struct Run<'a> {

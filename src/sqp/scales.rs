@@ -12,11 +12,13 @@ use crate::model::Model;
 use crate::model::evaluate::Evaluation;
 use crate::model::state::State;
 
-/// Stress in shear moduli below which a body without load is at rest: linear, and of rubber,
-/// whose law has a scale of its own.
-const LEAST_STRESS: [f64; 2] = [1e-11, 1e-9];
-/// Roundings that one entry of a force adds up.
-const ROUNDINGS: f64 = 8.0;
+constants! {
+    /// Stress in shear moduli below which a body without load is at rest: linear, and of rubber,
+    /// whose law has a scale of its own.
+    const LEAST_STRESS: [f64; 2] = [1e-11, 1e-9];
+    /// Roundings that one entry of a force adds up.
+    const ROUNDINGS: f64 = 8.0;
+}
 
 /// Lets the scales of a body that nothing drives any more be those of a fresh one: what
 /// they have seen says nothing of what comes.

@@ -9,14 +9,16 @@ use crate::linalg::vector::{norm, ratio};
 use crate::model::evaluate::Evaluation;
 use crate::model::state::State;
 
-/// Below this a smaller part of the increment leads further.
-const LEAST_LENGTH: f64 = 1.0 / 256.0;
-/// The same of a step that is taken without progress.
-const LEAST_NON_MONOTONE: f64 = 0.25;
-/// Least relative progress in one of the filter's measures.
-const LEAST_PROGRESS: f64 = 1e-4;
-/// Share of the least J that a step must leave.
-pub(crate) const JACOBIAN_SHARE: f64 = 0.2;
+constants! {
+    /// Below this a smaller part of the increment leads further.
+    const LEAST_LENGTH: f64 = 1.0 / 256.0;
+    /// The same of a step that is taken without progress.
+    const LEAST_NON_MONOTONE: f64 = 0.25;
+    /// Least relative progress in one of the filter's measures.
+    const LEAST_PROGRESS: f64 = 1e-4;
+    /// Share of the least J that a step must leave.
+    pub(crate) const JACOBIAN_SHARE: f64 = 0.2;
+}
 
 /// Why no length was accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

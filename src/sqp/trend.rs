@@ -15,8 +15,10 @@ use crate::model::drive::Drive;
 use crate::model::state::State;
 use crate::plan::Plan;
 
-/// Share of the contact pressure that a prediction must leave.
-const FADED: f64 = 0.1;
+constants! {
+    /// Share of the contact pressure that a prediction must leave.
+    const FADED: f64 = 0.1;
+}
 
 /// Difference of two states.
 #[derive(Clone, Debug)]

@@ -12,9 +12,11 @@ use crate::model::Model;
 use crate::model::state::State;
 use crate::report::{Cause, Termination};
 
-/// Lengths of the body, for each that tools and supports travel, beyond which a body that no
-/// support holds has been thrown away: its forces are rounding of what they would be there.
-const FLOWN: f64 = 1e2;
+constants! {
+    /// Lengths of the body, for each that tools and supports travel, beyond which a body that no
+    /// support holds has been thrown away: its forces are rounding of what they would be there.
+    const FLOWN: f64 = 1e2;
+}
 
 /// How an increment ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

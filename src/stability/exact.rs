@@ -9,9 +9,11 @@ use crate::sqp::lowest_mode::{LowestMode, length_at_rest};
 use crate::sqp::program::QuadraticProgram;
 use crate::sqp::run::Run;
 
-/// Share of noise in the motion that the search starts from, so that a mode of another
-/// symmetry than the last softest one is found too.
-const NOISE: f64 = 0.1;
+constants! {
+    /// Share of noise in the motion that the search starts from, so that a mode of another
+    /// symmetry than the last softest one is found too.
+    const NOISE: f64 = 0.1;
+}
 
 /// The softest motion of the present equilibrium, and whether there are unstable ones;
 /// none where it was stopped, or the factor is too large.

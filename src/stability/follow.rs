@@ -11,10 +11,14 @@ use crate::sqp::lowest_mode::{LowestMode, at_rest, length_at_rest};
 use crate::sqp::program::{Accuracy, QuadraticProgram};
 use crate::sqp::run::Run;
 
-/// Steps from noise.
-const FIRST_STEPS: usize = 4;
-/// Steps from the motion of the increment before.
-const LATER_STEPS: usize = 1;
+constants! {
+    /// Steps from noise.
+    const FIRST_STEPS: usize = 4;
+    /// Steps from the motion of the increment before.
+    const LATER_STEPS: usize = 1;
+    /// Least eigenvalue that an inexact step vouches for.
+    const DOUBTFUL: f64 = 0.1;
+}
 /// Accuracy of a step.
 const ROUGH: Accuracy = Accuracy {
     level: 0.1,
@@ -26,8 +30,6 @@ const SHARP: Accuracy = Accuracy {
     level: 1e-4,
     iterations: 200,
 };
-/// Least eigenvalue that an inexact step vouches for.
-const DOUBTFUL: f64 = 0.1;
 
 /// Follows the softest motion to the equilibrium of `program`; none where a solve was stopped.
 pub(super) fn certified_about(

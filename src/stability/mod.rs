@@ -25,9 +25,11 @@ use crate::scene::{OnInstability, StabilityCheck};
 use crate::sqp::lowest_mode::LowestMode;
 use crate::sqp::run::Run;
 
-/// Eigenvalue over that at rest below which a motion lowers the energy: those of a body that is
-/// free to move as a whole are rounding.
-const NEUTRAL: f64 = 1e-6;
+constants! {
+    /// Eigenvalue over that at rest below which a motion lowers the energy: those of a body that is
+    /// free to move as a whole are rounding.
+    const NEUTRAL: f64 = 1e-6;
+}
 
 /// Looks whether a converged state of rubber is a minimum; a saddle is no end unless the
 /// scene goes on along saddles.
@@ -70,4 +72,14 @@ fn motion_without_symmetry(run: &Run<'_>) -> Vec<f64> {
     let mut noise = reproducible_noise(run.state.displacement.len());
     mask(&run.model.prepared.held, &mut noise);
     noise
+}
+
+/// The numeric constants of this room.
+pub(crate) fn constants() -> Vec<crate::constants::Constant> {
+    [
+        exact::own_constants(),
+        follow::own_constants(),
+        own_constants(),
+    ]
+    .concat()
 }

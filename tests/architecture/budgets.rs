@@ -1,40 +1,43 @@
 //! What a room may weigh: its production lines and its numeric constants.
 
-use super::{production, tokens};
+use std::path::Path;
+
+use super::{SOLVER, production, tokens};
 
 /// Room, its lines as they were recorded, and its numeric constants. A room may outgrow the
 /// lines by [`GROWTH`] per cent; the constants are a ceiling.
 #[rustfmt::skip]
 const BUDGETS: &[(&str, usize, usize)] = &[
-    ("assembly", 8068, 27),
+    ("assembly", 8068, 31),
     ("comparisons", 92, 0),
+    ("constants", 35, 0),
     ("contact", 3277, 15),
-    ("continuation", 1129, 22),
+    ("continuation", 1164, 26),
     ("diagnosis", 554, 10),
     ("element", 735, 2),
-    ("force_control", 1089, 26),
+    ("force_control", 1108, 29),
     ("geometry", 497, 1),
-    ("inequality", 5393, 51),
+    ("inequality", 5393, 52),
     ("krylov", 892, 13),
-    ("lib", 242, 0),
+    ("lib", 260, 0),
     ("linalg", 2828, 15),
     ("material", 817, 1),
     ("mesh", 2643, 11),
     ("model", 4301, 18),
     ("obstacle", 5869, 51),
     ("parallel", 124, 1),
-    ("plan", 3879, 66),
-    ("precond", 4984, 45),
+    ("plan", 3883, 68),
+    ("precond", 4984, 46),
     ("prepare", 1704, 9),
     ("proximity", 571, 15),
     ("report", 791, 3),
-    ("results", 2397, 20),
+    ("results", 2396, 22),
     ("saddle", 1153, 5),
     ("scene", 3596, 20),
     ("session", 1825, 9),
     ("space", 190, 0),
-    ("sqp", 6343, 72),
-    ("stability", 259, 5),
+    ("sqp", 6467, 77),
+    ("stability", 275, 5),
     ("verify", 1333, 8),
 ];
 
@@ -51,10 +54,9 @@ const NUMBERS: [&str; 14] = [
 fn numeric_constants(text: &str) -> usize {
     let words = tokens::production(text);
     let constant = |part: &&[String]| {
-        part[0] == "const"
-            && part[2] == ":"
-            && NUMBERS.contains(&part[3].as_str())
-            && part[4] == "="
+        let is_one = NUMBERS.contains(&part[3].as_str()) && part[4] == "=";
+        let are_many = part[3] == "[" && NUMBERS.contains(&part[4].as_str());
+        part[0] == "const" && part[2] == ":" && (is_one || are_many)
     };
     // A parameter such as `const N: usize = 8` is none.
     let is_parameter = |at: usize| at > 0 && ["<", ","].contains(&words[at - 1].as_str());
@@ -88,8 +90,25 @@ fn rooms_stay_within_their_budgets() {
 }
 
 #[test]
+fn a_plan_lists_every_number_of_the_rooms_that_search_and_decide() {
+    let listed = signorini::constants();
+    let files = production();
+    let solver = files
+        .iter()
+        .filter(|(room, ..)| SOLVER.contains(&room.as_str()));
+    for (_, path, text) in solver {
+        let path = Path::new("src").join(path);
+        let own = listed.iter().filter(|one| Path::new(one.file) == path);
+        assert_eq!(own.count(), numeric_constants(text), "{}", path.display());
+    }
+    for one in &listed {
+        assert!(one.meaning.len() > 10, "{one:?}");
+    }
+}
+
+#[test]
 fn constants_of_other_types_and_parameters_do_not_count() {
     let text = "const A: f64 = 1.0; struct S<const N: usize = 8>; impl S { const B: usize = 2; }
         const C: [f64; 2] = [1.0, 2.0]; const fn d() { const E: u32 = 3; }";
-    assert_eq!(numeric_constants(text), 3);
+    assert_eq!(numeric_constants(text), 4);
 }

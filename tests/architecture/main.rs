@@ -21,6 +21,7 @@ use modules::Tree;
 /// Module and what it may import, besides itself.
 const ROOMS: &[(&str, &[&str])] = &[
     ("report", &[]),
+    ("constants", &[]),
     ("parallel", &[]),
     ("linalg", &["parallel"]),
     ("geometry", &[]),

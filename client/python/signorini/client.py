@@ -54,12 +54,23 @@ class Client(Calls):
         tell(result)
         return result
 
-    def plan(self, scene: SceneLike, mesh: Any = None, *, set: Mapping[str, Any] | None = None) -> Plan:
-        """What a scene needs, what is left out and why; nothing is solved."""
+    def plan(
+        self,
+        scene: SceneLike,
+        mesh: Any = None,
+        *,
+        set: Mapping[str, Any] | None = None,
+        constants: bool = False,
+    ) -> Plan:
+        """What a scene needs, what is left out and why; nothing is solved.
+
+        With `constants` the plan's message lists the numbers, too, that the solver compares with.
+        """
         one = problem(scene, mesh, set)
         self.upload_problem(one)
         request = Options().create(one, self.embedded)
         request.validate_only = True
+        request.constants = constants
         return Plan(self.create(request).plan)
 
     def session(

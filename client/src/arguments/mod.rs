@@ -308,6 +308,9 @@ pub(crate) struct PlanArguments {
     /// One JSON object
     #[arg(long)]
     pub(crate) json: bool,
+    /// The numbers, too, that the solver's decisions compare with
+    #[arg(long)]
+    pub(crate) constants: bool,
 }
 
 #[derive(Args, Clone, Debug)]

@@ -6,7 +6,7 @@ use crate::terminal::exit::{Exit, Failure};
 use crate::terminal::stdout::print;
 
 pub(super) async fn run(arguments: CheckArguments) -> Result<Exit, Failure> {
-    let (plan, _) = plan::of(&arguments.scene).await?;
+    let (plan, _) = plan::of(&arguments.scene, plan::Detail::Decisions).await?;
     let scene = arguments.scene.scene.display();
     let verdict = match plan.warnings.len() {
         0 => "no faults".to_owned(),

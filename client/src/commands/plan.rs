@@ -12,7 +12,12 @@ use crate::terminal::stdout::print;
 use crate::terminal::text::note;
 
 pub(super) async fn run(arguments: PlanArguments) -> Result<Exit, Failure> {
-    let (plan, units) = of(&arguments.scene).await?;
+    let detail = if arguments.constants {
+        Detail::Constants
+    } else {
+        Detail::Decisions
+    };
+    let (plan, units) = of(&arguments.scene, detail).await?;
     if arguments.json {
         print(&format!("{}\n", result_line::plan(&plan, units.as_ref())))?;
     } else {
@@ -21,16 +26,26 @@ pub(super) async fn run(arguments: PlanArguments) -> Result<Exit, Failure> {
     Ok(Exit::Ok)
 }
 
+/// What a plan shall list.
+#[derive(Clone, Copy)]
+pub(super) enum Detail {
+    /// What is decided.
+    Decisions,
+    /// That, and the solver's constants.
+    Constants,
+}
+
 /// The plan of a scene, after its warnings have been told, and what its units are called.
 pub(super) async fn of(
     arguments: &SceneArguments,
+    detail: Detail,
 ) -> Result<(v1::Plan, Option<v1::UnitNames>), Failure> {
     let input = input::load(arguments)?;
     let units = input.scene.units.clone();
     let mut warnings = input.mesh.warnings.clone();
     tell(&warnings);
     let connection = Connection::open(arguments).await?;
-    let plan = fetch(&connection.client, input).await;
+    let plan = fetch(&connection.client, input, detail).await;
     connection.close().await;
     let mut plan = plan?;
     tell(&plan.warnings);
@@ -45,7 +60,10 @@ fn tell(warnings: &[String]) {
     }
 }
 
-async fn fetch(client: &Client, mut input: Input) -> Result<v1::Plan, Failure> {
+async fn fetch(client: &Client, mut input: Input, detail: Detail) -> Result<v1::Plan, Failure> {
     input.upload(client).await?;
-    Ok(client.plan(input.scene).await?)
+    Ok(match detail {
+        Detail::Decisions => client.plan(input.scene).await?,
+        Detail::Constants => client.plan_with_constants(input.scene).await?,
+    })
 }

@@ -45,11 +45,32 @@ impl Client {
     /// # Errors
     /// [`ClientError::Refused`]: `SCENE_INVALID`, `UNSUPPORTED_COMBINATION`, `MESH_NOT_FOUND`.
     pub async fn plan(&self, scene: v1::Scene) -> Result<v1::Plan, ClientError> {
-        let request = v1::CreateSessionRequest {
+        self.planned(v1::CreateSessionRequest {
             scene: Some(scene),
-            validate_only: true,
             ..Default::default()
-        };
+        })
+        .await
+    }
+
+    /// The same with the solver's constants.
+    ///
+    /// # Errors
+    /// As [`Client::plan`].
+    pub async fn plan_with_constants(&self, scene: v1::Scene) -> Result<v1::Plan, ClientError> {
+        self.planned(v1::CreateSessionRequest {
+            scene: Some(scene),
+            constants: true,
+            ..Default::default()
+        })
+        .await
+    }
+
+    /// The plan that answers `request`, which creates nothing.
+    async fn planned(
+        &self,
+        mut request: v1::CreateSessionRequest,
+    ) -> Result<v1::Plan, ClientError> {
+        request.validate_only = true;
         let plan = || async { planned(self.sessions().create_session(request.clone())).await };
         let response = again(plan).await?.into_inner();
         response.plan.ok_or_else(|| missing("the plan"))

@@ -190,6 +190,22 @@ fn a_plan_says_what_is_built_and_what_is_left_out() {
     }
     let plan = run(["plan", scene.to_str().unwrap(), "--json"]);
     assert_eq!(plan.lines()[0]["unknowns"]["displacement"], 6591);
+    assert_eq!(plan.lines()[0]["constants"], serde_json::json!([]));
+}
+
+#[test]
+fn a_plan_lists_the_numbers_in_force_where_it_is_asked() {
+    let scene = example("cube-bend.toml");
+    let plan = run(["plan", scene.to_str().unwrap(), "--constants"]);
+    assert_eq!(plan.code, Some(0), "{}", plan.stderr);
+    let row = "0.00390625: Below this a smaller part of the increment leads further. (sqp/search)";
+    assert!(plan.stdout.contains(row), "{}", plan.stdout);
+    let plan = run(["plan", scene.to_str().unwrap(), "--constants", "--json"]);
+    let constants = plan.lines()[0]["constants"].clone();
+    let all = constants.as_array().unwrap();
+    assert!(all.len() > 100, "{}", all.len());
+    let named = |one: &&serde_json::Value| one["name"] == "LEAST_LENGTH";
+    assert_eq!(all.iter().find(named).unwrap()["value"], "0.00390625");
 }
 
 #[test]

@@ -104,7 +104,21 @@ pub(crate) fn plan(report: PlanReport) -> wire::Plan {
         predicted_factor_flops: report.predicted_factor_flops,
         predicted_applications: narrow(report.predicted_applications),
         warnings: report.warnings.into_iter().take(100).collect(),
+        constants: Vec::new(),
     }
+}
+
+/// The constants of the solver.
+pub(crate) fn constants() -> Vec<wire::SolverConstant> {
+    let constants = signorini::constants().into_iter();
+    constants
+        .map(|one| wire::SolverConstant {
+            file: one.file.to_owned(),
+            name: one.name.to_owned(),
+            value: one.value,
+            meaning: one.meaning,
+        })
+        .collect()
 }
 
 fn scene_kind(name: &str) -> wire::SceneKind {

@@ -12,14 +12,16 @@ use crate::inequality::BodyFactor;
 use crate::linalg::Workspace;
 use crate::plan::response::FieldsFrom;
 
-/// Columns of a block.
-const BLOCK: usize = 48;
-/// Blocks between two looks at whether the increment is stopped.
-const AT_ONCE: usize = 4;
-/// Fewer columns are not worth a second thread.
-const FEW: usize = 128;
-/// No place.
-const NOWHERE: u32 = u32::MAX;
+constants! {
+    /// Columns of a block.
+    const BLOCK: usize = 48;
+    /// Blocks between two looks at whether the increment is stopped.
+    const AT_ONCE: usize = 4;
+    /// Fewer columns are not worth a second thread.
+    const FEW: usize = 128;
+    /// No place.
+    const NOWHERE: u32 = u32::MAX;
+}
 
 /// G as far as it is known.
 #[derive(Debug)]

@@ -31,8 +31,10 @@ use crate::sqp::run::Run;
 use crate::sqp::scales::{forget_scales, limit_gap_scale, raise_scales};
 use crate::sqp::verdict::Verdict;
 
-/// Steps of which one is answered on the whole body.
-const WHOLE_EVERY: u32 = 64;
+constants! {
+    /// Steps of which one is answered on the whole body.
+    const WHOLE_EVERY: u32 = 64;
+}
 
 /// Moves the state to where contact holds under `drive`, the body inside left behind; none, and
 /// the state whole and where it was, where this is not the way for it.

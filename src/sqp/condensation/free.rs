@@ -10,8 +10,10 @@ use crate::model::prescribed::{carry, prescribe};
 use crate::model::state::State;
 use crate::sqp::run::Run;
 
-/// Solutions with the factor: the second takes the shift's error off.
-const PASSES: usize = 2;
+constants! {
+    /// Solutions with the factor: the second takes the shift's error off.
+    const PASSES: usize = 2;
+}
 
 impl Response {
     /// The body under loads and supports of the run's state, without contact.

@@ -38,8 +38,10 @@ use kept::{Free, Response};
 use known::{serves, with};
 use surface_problem::SurfaceProblem;
 
-/// Share of the force scale that may be left: more has another cause than rounding.
-const WORTHWHILE: f64 = 1e-2;
+constants! {
+    /// Share of the force scale that may be left: more has another cause than rounding.
+    const WORTHWHILE: f64 = 1e-2;
+}
 
 /// Moves the state, whose drive is the new one, to where contact holds, and says what holds
 /// there; none where this is not the way for it. The increment begins with `plain` residuals and
@@ -106,4 +108,16 @@ impl Response {
         add_scaled(&mut run.state.displacement, -1.0, moved);
         add_scaled(&mut run.state.pressure, -1.0, pressure);
     }
+}
+
+/// The numeric constants of this room.
+pub(crate) fn constants() -> Vec<crate::constants::Constant> {
+    [
+        columns::own_constants(),
+        free::own_constants(),
+        near::own_constants(),
+        own_constants(),
+        surface_problem::own_constants(),
+    ]
+    .concat()
 }

@@ -6,8 +6,10 @@
 
 use super::columns::Columns;
 
-/// No place.
-const NOWHERE: u32 = u32::MAX;
+constants! {
+    /// No place.
+    const NOWHERE: u32 = u32::MAX;
+}
 
 /// Rows and columns of G at some places.
 #[derive(Debug, Default)]

@@ -29,17 +29,19 @@ use crate::model::state::State;
 use crate::saddle::{AdmissibleSet, ProductSet, SetPart, Status};
 use crate::sqp::run::Run;
 
-/// Problems at most.
-const MOST: usize = 30;
-/// Share of the tolerance that is left to what follows, and of what is left that a problem takes
-/// off at least.
-const SHARE: f64 = 0.5;
-/// Share of the mean diagonal that keeps redundant constraints solvable.
-const LIFT: f64 = 1e-12;
-/// Share of what is left that a problem with an H of earlier normals has to leave at most.
-const FRESH: f64 = 0.2;
-/// What may be left where problems take no more off: programs do.
-const ROUNDING: f64 = 1e-7;
+constants! {
+    /// Problems at most.
+    const MOST: usize = 30;
+    /// Share of the tolerance that is left to what follows, and of what is left that a problem takes
+    /// off at least.
+    const SHARE: f64 = 0.5;
+    /// Share of the mean diagonal that keeps redundant constraints solvable.
+    const LIFT: f64 = 1e-12;
+    /// Share of what is left that a problem with an H of earlier normals has to leave at most.
+    const FRESH: f64 = 0.2;
+    /// What may be left where problems take no more off: programs do.
+    const ROUNDING: f64 = 1e-7;
+}
 
 /// Contact on the surface of a body.
 pub(super) struct SurfaceProblem<'a> {

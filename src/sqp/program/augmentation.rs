@@ -15,13 +15,15 @@ use crate::model::Model;
 use crate::model::interfaces::Interface;
 use crate::model::state::State;
 
-/// Mean contact pressure, in shear moduli, from which on the part of the internal pressure is
-/// cancelled as well: mr-sphere, which stays below, takes 45 applications an increment with that
-/// part in the operator and 56 without, a block at 8 moduli 131 and 75. With friction the terms
-/// as a whole count from there on: a gripper, which stays below, takes 477 applications with them
-/// everywhere and 445 so; above, an O-ring takes 4538 with them and 4866 without, a belt 4742 and
-/// 7497, two blocks of contrast 1e4 931 and 10411, of contrast 100 942 and 644.
-const HIGH: f64 = 1.0;
+constants! {
+    /// Mean contact pressure, in shear moduli, from which on the part of the internal pressure is
+    /// cancelled as well: mr-sphere, which stays below, takes 45 applications an increment with that
+    /// part in the operator and 56 without, a block at 8 moduli 131 and 75. With friction the terms
+    /// as a whole count from there on: a gripper, which stays below, takes 477 applications with them
+    /// everywhere and 445 so; above, an O-ring takes 4538 with them and 4866 without, a belt 4742 and
+    /// 7497, two blocks of contrast 1e4 931 and 10411, of contrast 100 942 and 644.
+    const HIGH: f64 = 1.0;
+}
 
 /// The terms about `state`.
 pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentation> {

@@ -41,12 +41,13 @@ use crate::sqp::factored_body::FactoredBody;
 use crate::sqp::near_compliance::NearCompliance;
 use crate::sqp::run::Run;
 
-/// Motions that lower the energy, at most: of a breast between plates fifteen, of an O-ring
-/// far from equilibrium fourteen, of a belt on a drum nine; each costs a column.
-const MOST_TURNED: usize = 32;
-
-/// Iterations on one face with a factor of the body: as many as motions are turned, and some more.
-const MOST_ON_FACE: u32 = 60;
+constants! {
+    /// Motions that lower the energy, at most: of a breast between plates fifteen, of an O-ring
+    /// far from equilibrium fourteen, of a belt on a drum nine; each costs a column.
+    const MOST_TURNED: usize = 32;
+    /// Iterations on one face with a factor of the body: as many as motions are turned, and some more.
+    const MOST_ON_FACE: u32 = 60;
+}
 
 /// What contact takes off A where the gaps hold what they can; none without contact.
 fn curvature(model: &Model<'_>, state: &State) -> Option<SparseRows> {

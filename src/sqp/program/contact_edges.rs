@@ -19,9 +19,11 @@ use crate::linalg::{SparseRows, SparseRowsBuilder};
 use crate::model::Model;
 use crate::model::state::State;
 
-/// Cosine of the angle between normals from which on they are of one surface: sides have functions
-/// of their own where it turns by 30 degrees (0.87).
-const ALIKE: f64 = 0.9;
+constants! {
+    /// Cosine of the angle between normals from which on they are of one surface: sides have functions
+    /// of their own where it turns by 30 degrees (0.87).
+    const ALIKE: f64 = 0.9;
+}
 
 /// The closed contacts of a node.
 #[derive(Default)]

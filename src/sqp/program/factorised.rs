@@ -8,8 +8,10 @@ use crate::plan::estimate::MOST_FACTOR_FLOPS;
 use crate::sqp::run::Run;
 use crate::sqp::saddle_layout::SaddleLayout;
 
-/// Entries of the skew part over the largest of the whole that are rounding.
-const SKEW: f64 = 1e-12;
+constants! {
+    /// Entries of the skew part over the largest of the whole that are rounding.
+    const SKEW: f64 = 1e-12;
+}
 
 impl QuadraticProgram<'_> {
     /// Counts the motions that lower the energy where the present contacts hold, and finds

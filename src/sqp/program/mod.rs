@@ -169,3 +169,18 @@ fn volumes_of(
     let divergence = tangent.map(|t| &t.coupling as &dyn LinearOperator);
     volumes(&run.model, (inverse, divergence.or(fixed)), run.work)
 }
+
+/// The numeric constants of this room.
+pub(crate) fn constants() -> Vec<crate::constants::Constant> {
+    [
+        augmentation::own_constants(),
+        by_factor::own_constants(),
+        contact_edges::own_constants(),
+        factorised::own_constants(),
+        penalised::own_constants(),
+        rigid_modes::own_constants(),
+        solve::own_constants(),
+        stiffness::own_constants(),
+    ]
+    .concat()
+}

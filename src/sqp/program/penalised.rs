@@ -28,10 +28,12 @@ use crate::precond::schur::ChebyshevMass;
 use crate::saddle::{EqualityBlock, Status};
 use crate::sqp::run::Run;
 
-/// Chebyshev steps of a product.
-const STEPS: usize = 6;
-/// What is left of an inverse by Chebyshev steps that is below the exact one for certain.
-const SLACK: f64 = 0.99;
+constants! {
+    /// Chebyshev steps of a product.
+    const STEPS: usize = 6;
+    /// What is left of an inverse by Chebyshev steps that is below the exact one for certain.
+    const SLACK: f64 = 0.99;
+}
 
 /// K_w.
 struct Penalised<'a> {

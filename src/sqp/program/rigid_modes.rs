@@ -17,14 +17,16 @@ use crate::model::held::mask;
 use crate::model::proximal::mass;
 use crate::model::state::State;
 
-/// What resists the motions instead, in mu / L^2: what the approximate inverse of a body that
-/// nothing holds has for them.
-const RESISTANCE: f64 = 1e-2;
-/// Force of a motion over what resists it instead, in the norms of the approximate inverse, that
-/// is rounding.
-const NONE: f64 = 1e-4;
-/// Length of a motion over its own, less those before it, that is rounding.
-const DEPENDENT: f64 = 1e-8;
+constants! {
+    /// What resists the motions instead, in mu / L^2: what the approximate inverse of a body that
+    /// nothing holds has for them.
+    const RESISTANCE: f64 = 1e-2;
+    /// Force of a motion over what resists it instead, in the norms of the approximate inverse, that
+    /// is rounding.
+    const NONE: f64 = 1e-4;
+    /// Length of a motion over its own, less those before it, that is rounding.
+    const DEPENDENT: f64 = 1e-8;
+}
 
 /// What takes the place of the stiffness that the body lacks.
 pub(super) struct RigidModes {

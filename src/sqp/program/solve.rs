@@ -18,23 +18,25 @@ use crate::sqp::chooser;
 use crate::sqp::linear::{Linear, Track};
 use crate::sqp::run::Run;
 
-/// Krylov iterations per program.
-const MOST_ITERATIONS: u32 = 600;
-/// With friction, whose faces are more: of linear bodies, and of others.
-const MOST_WITH_FRICTION: [u32; 2] = [2000, 600];
-/// Of a body of finite strain: what takes longer has no stable solution near.
-const MOST_AT_FINITE_STRAIN: u32 = 300;
-/// With a factor of the body: ten are usual, and more than these where the sides do not settle.
-const MOST_BY_FACTOR: u32 = 40;
-/// Force out of balance over its scale from which on the factor of the program before serves: on
-/// an X-ring factors for every program take 7.0 s, this 5.3 s, and a hundredth 4.7 s with some
-/// programs of three hundred iterations.
-const NEAR: f64 = 1e-3;
-/// Share of the force out of balance that the step of a stable body may leave near equilibrium.
-const WORTHWHILE: f64 = 0.5;
-/// Error of the contact pressure, in shear moduli, with which the next tangent is still
-/// that of a stable body: the pressure stands in its stiffness.
-const PRESSURE_ERROR: f64 = 0.05;
+constants! {
+    /// Krylov iterations per program.
+    const MOST_ITERATIONS: u32 = 600;
+    /// With friction, whose faces are more: of linear bodies, and of others.
+    const MOST_WITH_FRICTION: [u32; 2] = [2000, 600];
+    /// Of a body of finite strain: what takes longer has no stable solution near.
+    const MOST_AT_FINITE_STRAIN: u32 = 300;
+    /// With a factor of the body: ten are usual, and more than these where the sides do not settle.
+    const MOST_BY_FACTOR: u32 = 40;
+    /// Force out of balance over its scale from which on the factor of the program before serves: on
+    /// an X-ring factors for every program take 7.0 s, this 5.3 s, and a hundredth 4.7 s with some
+    /// programs of three hundred iterations.
+    const NEAR: f64 = 1e-3;
+    /// Share of the force out of balance that the step of a stable body may leave near equilibrium.
+    const WORTHWHILE: f64 = 0.5;
+    /// Error of the contact pressure, in shear moduli, with which the next tangent is still
+    /// that of a stable body: the pressure stands in its stiffness.
+    const PRESSURE_ERROR: f64 = 0.05;
+}
 
 /// Where a solve of the program starts and ends.
 pub(super) struct Solve<'s> {

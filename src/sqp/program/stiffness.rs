@@ -20,11 +20,13 @@ use crate::model::state::State;
 use crate::precond::Counted;
 use crate::sqp::run::Run;
 
-/// Bulk over shear modulus, about, above which what is left of a change of volume is no energy
-/// but the error of a motion that has none.
-const STIFFEST: f64 = 1e4;
-/// Chebyshev steps whose error is rounding.
-const EXACT: usize = 32;
+constants! {
+    /// Bulk over shear modulus, about, above which what is left of a change of volume is no energy
+    /// but the error of a motion that has none.
+    const STIFFEST: f64 = 1e4;
+    /// Chebyshev steps whose error is rounding.
+    const EXACT: usize = 32;
+}
 
 /// What stands for the body in a solve on the present face.
 struct Terms<'a> {

@@ -26,6 +26,13 @@ pub(crate) fn plan(plan: &v1::Plan) -> String {
             plan.predicted_applications
         ),
     );
+    for one in &plan.constants {
+        let file = one.file.trim_start_matches("src/").trim_end_matches(".rs");
+        lines.add(
+            &one.name,
+            &format!("{}: {} ({file})", one.value, one.meaning),
+        );
+    }
     lines.0
 }
 

@@ -44,9 +44,13 @@ impl Sessions {
         planning::check_uploads(&self.services, &scene, &caller).await?;
         if request.validate_only {
             let plan = self.plan(scene, client).await?.plan;
+            let mut plan = report::plan(plan.report());
+            if request.constants {
+                plan.constants = report::constants();
+            }
             return Ok(wire::CreateSessionResponse {
                 session: None,
-                plan: Some(report::plan(plan.report())),
+                plan: Some(plan),
             });
         }
         // Before planning, so that a repeat meanwhile finds this request.
