@@ -56,7 +56,7 @@
 //! | a tool that begins inside the body | before: `src/plan/overlap.rs`, `src/plan/doubts.rs`; pushed out: `src/continuation/initial_penetration.rs` |
 //! | a tool that has passed, or lies inside | `src/results/passage.rs`, `src/results/warnings.rs`, by distances of `src/proximity/mod.rs` |
 //! | a new obstacle shape | `src/obstacle/shape.rs`, `src/plan/reach.rs`, `src/session/checkpoint/scene_digest.rs`, `proto/signorini/v1/scene.proto`, `server/src/convert/shape.rs`, `client/src/scene_file/shape.rs`, `client/python/signorini/scene.py` |
-//! | a new law of rubber | `src/material/invariants.rs` or a file beside it, `src/material/rubber.rs`, `src/scene/material.rs`, `src/scene/validate/rubber.rs`, `src/session/checkpoint/scene_digest.rs`, `src/verify/rubber.rs`, `proto/signorini/v1/scene.proto`, `server/src/convert/material.rs`, `client/src/scene_file/body.rs`, `client/python/signorini/scene.py` |
+//! | a new law of rubber | a function of the invariants: a file beside `src/material/gent.rs`, `src/material/potential.rs`; another: `src/material/rubber.rs`; both: `src/scene/material.rs`, `src/scene/validate/rubber.rs`, `src/session/checkpoint/scene_digest.rs`, `src/verify/rubber.rs`, `proto/signorini/v1/scene.proto`, `server/src/convert/material.rs`, `client/src/scene_file/body.rs`, `client/python/signorini/scene.py` |
 //!
 //! # Notation
 //!
@@ -199,6 +199,7 @@
 #![doc = include_str!("decisions/0059-comparisons-in-a-crate.md")]
 #![doc = include_str!("decisions/0060-one-place-that-decides.md")]
 #![doc = include_str!("decisions/0061-loops-compiled-once.md")]
+#![doc = include_str!("decisions/0062-laws-by-point.md")]
 
 #[macro_use]
 mod constants;

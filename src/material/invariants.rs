@@ -100,23 +100,33 @@ impl<N: Number> Deformation<N> {
 }
 
 /// Invariants and their directions at a deformation.
-struct Response<N> {
+pub(super) struct Response<N> {
     /// n1 = F - e1 cof F, along which the first invariant changes with F.
-    first: Tensor<N>,
+    pub(super) first: Tensor<N>,
     /// e1 = F:F / 3 J.
     first_ratio: N,
     /// i1 - 3, zero at rest.
-    first_excess: N,
+    pub(super) first_excess: N,
 }
 
 /// The second invariant and its direction at a deformation.
-struct SecondResponse<N> {
+pub(super) struct SecondResponse<N> {
     /// n2 = cof F x F - 2 e2 cof F, along which the second invariant changes with F.
-    second: Tensor<N>,
+    pub(super) second: Tensor<N>,
     /// e2 = cof F : cof F / 3 J.
     second_ratio: N,
     /// i2 - 3, zero at rest.
-    second_excess: N,
+    pub(super) second_excess: N,
+}
+
+/// Slopes of an energy whose second invariant enters linearly.
+pub(super) struct Slopes<N> {
+    /// dW/di1.
+    pub(super) first: N,
+    /// d2W/di1^2.
+    pub(super) bend: N,
+    /// dW/di2.
+    pub(super) second: N,
 }
 
 impl<N: Number> Deformation<N> {
@@ -124,6 +134,12 @@ impl<N: Number> Deformation<N> {
     #[inline(always)]
     fn third_of(&self, excess: N) -> N {
         (excess - self.volume_change * 3.0) * self.inverse * (1.0 / 3.0)
+    }
+
+    /// J^(-2/3).
+    #[inline(always)]
+    pub(super) fn square(&self) -> N {
+        self.root * self.root
     }
 
     /// J^(1/3) - 1 = (J - 1) / (J^(2/3) + J^(1/3) + 1).
@@ -138,7 +154,7 @@ impl<N: Number> Deformation<N> {
     /// The first invariant and its derivative, from H so that small strains keep their
     /// digits.
     #[inline(always)]
-    fn first(&self) -> Response<N> {
+    pub(super) fn first(&self) -> Response<N> {
         let h = &self.displacement_gradient;
         let one = self.root.constant(1.0);
         let excess = trace(h) * 2.0 + contract(h, h);
@@ -160,7 +176,7 @@ impl<N: Number> Deformation<N> {
 
     /// The second invariant and its derivative; laws without c01 never ask for it.
     #[inline(always)]
-    fn second(&self) -> SecondResponse<N> {
+    pub(super) fn second(&self) -> SecondResponse<N> {
         let h = &self.displacement_gradient;
         let one = self.root.constant(1.0);
         let change = &self.cofactor_change;
@@ -223,9 +239,30 @@ impl<N: Number> InvariantLaw<N> {
     /// cof F : `change`, the change of volume.
     #[inline(always)]
     pub fn tangent(&self, at: &Deformation<N>, pressure: N, change: &Tensor<N>) -> (Tensor<N>, N) {
-        let square = at.root * at.root;
         let one = at.first();
-        let (slope, bend) = self.slopes(one.first_excess);
+        let (first, bend) = self.slopes(one.first_excess);
+        let slopes = Slopes {
+            first,
+            bend,
+            second: self.c01,
+        };
+        at.tangent((&one, slopes), pressure, change)
+    }
+}
+
+impl<N: Number> Deformation<N> {
+    /// The change of 2 W1 J^(-2/3) n1 + 2 W2 J^(-4/3) n2, W2 held, less `pressure` times that
+    /// of cof F, along `change`; also cof F : `change`.
+    #[inline(always)]
+    pub(super) fn tangent(
+        &self,
+        (one, slopes): (&Response<N>, Slopes<N>),
+        pressure: N,
+        change: &Tensor<N>,
+    ) -> (Tensor<N>, N) {
+        let at = self;
+        let square = at.root * at.root;
+        let (slope, bend) = (slopes.first, slopes.bend);
         let volume = contract(&at.cofactor, change);
         let third = at.inverse * (1.0 / 3.0);
         let along = contract(&one.first, change);
@@ -240,7 +277,7 @@ impl<N: Number> InvariantLaw<N> {
 
         let two = at.second();
         let along = contract(&two.second, change);
-        let weight = self.c01 * square * square * 2.0;
+        let weight = slopes.second * square * square * 2.0;
         let pair = plus(
             &cross(&turned, &at.gradient),
             weight.constant(1.0),

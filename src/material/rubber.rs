@@ -10,7 +10,7 @@
 
 use sha2::Sha256;
 
-use super::{Deformation, InvariantLaw, Ogden, TangentMatrix};
+use super::{Deformation, InvariantLaw, Ogden, Potential, TangentMatrix};
 use crate::geometry::tensor::{Tensor, cross, plus, volume_change};
 
 /// The isochoric part.
@@ -20,6 +20,8 @@ pub enum Isochoric {
     Invariants(InvariantLaw<f64>),
     /// Ogden's law: powers of the principal stretches.
     Ogden(Ogden),
+    /// Any function of the invariants.
+    Potential(Potential),
 }
 
 /// A rubber.
@@ -49,6 +51,7 @@ impl Isochoric {
         match self {
             Self::Invariants(law) => Self::Invariants(law.over(stress)),
             Self::Ogden(law) => Self::Ogden(law.over(stress)),
+            Self::Potential(law) => Self::Potential(law.over(stress)),
         }
     }
 
@@ -57,14 +60,15 @@ impl Isochoric {
         match self {
             Self::Invariants(law) => law.hash_into(hash),
             Self::Ogden(law) => law.hash_into(hash),
+            Self::Potential(law) => law.hash_into(hash),
         }
     }
 
-    /// Whether kernels take it in principal stretches, point by point.
-    pub fn is_in_stretches(&self) -> bool {
+    /// Whether kernels take it point by point.
+    pub fn is_by_point(&self) -> bool {
         match self {
             Self::Invariants(_) => false,
-            Self::Ogden(_) => true,
+            Self::Ogden(_) | Self::Potential(_) => true,
         }
     }
 
@@ -73,6 +77,7 @@ impl Isochoric {
         match self {
             Self::Invariants(law) => law.modulus(),
             Self::Ogden(law) => law.shear_modulus(),
+            Self::Potential(law) => law.shear_modulus(),
         }
     }
 
@@ -81,6 +86,7 @@ impl Isochoric {
         match self {
             Self::Invariants(law) => law.energy(&deformation(h)),
             Self::Ogden(law) => law.energy(h),
+            Self::Potential(law) => law.energy(&deformation(h)),
         }
     }
 
@@ -89,6 +95,7 @@ impl Isochoric {
         match self {
             Self::Invariants(law) => law.stress(&deformation(h)),
             Self::Ogden(law) => law.stress(h),
+            Self::Potential(law) => law.stress(&deformation(h)),
         }
     }
 
@@ -103,6 +110,7 @@ impl Isochoric {
                 })
             }
             Self::Ogden(law) => law.tangent(h),
+            Self::Potential(law) => law.tangent(&deformation(h)),
         }
     }
 }
@@ -160,7 +168,7 @@ mod tests {
 
     const H: Tensor<f64> = [[0.3, -0.2, 0.3], [0.15, 0.2, -0.25], [-0.3, 0.1, -0.35]];
 
-    fn rubbers() -> [Rubber; 2] {
+    fn rubbers() -> Vec<Rubber> {
         let invariants = Isochoric::Invariants(InvariantLaw {
             c10: 0.4,
             c01: 0.1,
@@ -171,10 +179,14 @@ mod tests {
             modulus: 0.7,
             exponent: 2.6,
         }];
-        [invariants, Isochoric::Ogden(Ogden { terms })].map(|isochoric| Rubber {
-            isochoric,
-            inverse_bulk: 0.2,
-        })
+        let others = crate::material::examples().map(Isochoric::Potential);
+        let all = [invariants, Isochoric::Ogden(Ogden { terms })].into_iter();
+        all.chain(others)
+            .map(|isochoric| Rubber {
+                isochoric,
+                inverse_bulk: 0.2,
+            })
+            .collect()
     }
 
     fn moved(place: usize, length: f64) -> Tensor<f64> {

@@ -134,13 +134,13 @@ impl Plan {
             .materials
             .iter()
             .filter_map(|m| m.rubber.as_ref());
-        let in_stretches = rubbers.any(|rubber| rubber.isochoric.is_in_stretches());
+        let by_point = rubbers.any(|rubber| rubber.isochoric.is_by_point());
         let simplex = match self.problem.units.dimension {
             2 => Simplex::Triangle,
             _ => Simplex::Tetrahedron,
         };
         let points = rule(simplex, self.strain_degree()).len() as u64;
-        let of_point = if in_stretches { 46 } else { 1 };
+        let of_point = if by_point { 46 } else { 1 };
         let of_cell = 16 * (VERTEX_NUMBERS + of_point * points) + CELL_TANGENT_BYTES;
         let unknowns = self.problem.unknowns.displacement
             + self.problem.unknowns.pressure

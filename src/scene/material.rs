@@ -57,6 +57,25 @@ pub enum RubberModel {
         /// α of each term, not zero; as many.
         alpha: Vec<f64>,
     },
+    /// Rivlin's polynomial: Σ c_ij (i1 − 3)^i (i2 − 3)^j, 1 ≤ i + j ≤ 3.
+    Polynomial {
+        /// c10, c01, c20, c11, c02, c30, c21, c12, c03, stress.
+        coefficients: [f64; 9],
+    },
+    /// Gent: −½ μ J_m ln(1 − (i1 − 3) / J_m).
+    Gent {
+        /// μ, stress.
+        shear_modulus: f64,
+        /// J_m, what i1 − 3 cannot reach.
+        limit: f64,
+    },
+    /// Arruda-Boyce: five terms of the law of eight chains.
+    ArrudaBoyce {
+        /// μ of the series, stress.
+        mu: f64,
+        /// Stretch at which chains are straight, above one.
+        locking_stretch: f64,
+    },
 }
 
 impl RubberModel {
@@ -67,6 +86,9 @@ impl RubberModel {
             Self::NeoHookean { .. } => "neo-hookean",
             Self::Yeoh { .. } => "yeoh",
             Self::Ogden { .. } => "ogden",
+            Self::Polynomial { .. } => "polynomial",
+            Self::Gent { .. } => "gent",
+            Self::ArrudaBoyce { .. } => "arruda-boyce",
         }
     }
 }

@@ -12,7 +12,10 @@
 use crate::geometry::symmetric::Spectrum;
 use crate::geometry::tensor::{Tensor, contract, plus, product, scaled, trace, transposed};
 use crate::geometry::vector3::{cross, dot};
-use crate::material::{InvariantLaw, Isochoric, Ogden, Rubber};
+use crate::material::{InvariantLaw, Isochoric, Ogden, POWERS, Potential, Rubber};
+
+/// Share of Gent's limit from which on the law goes on along its tangent.
+const GENT_LAST: f64 = 0.999;
 
 /// A deformation gradient with what the formulas name.
 pub(crate) struct Deformed {
@@ -50,6 +53,7 @@ impl Deformed {
         let isochoric = match &rubber.isochoric {
             Isochoric::Invariants(law) => self.of_invariants(law),
             Isochoric::Ogden(law) => self.of_stretches(law),
+            Isochoric::Potential(law) => self.of_slopes(|first, second| slopes(law, first, second)),
         };
         plus(&isochoric, -pressure, &self.cofactor)
     }
@@ -59,19 +63,27 @@ impl Deformed {
     }
 
     fn of_invariants(&self, law: &InvariantLaw<f64>) -> Tensor<f64> {
+        self.of_slopes(|first, _| {
+            let excess = first - 3.0;
+            let slope = law.c10 + 2.0 * law.c20 * excess + 3.0 * law.c30 * excess * excess;
+            [slope, law.c01]
+        })
+    }
+
+    /// The stress where `slopes` gives W1 and W2 at i1 and i2.
+    fn of_slopes(&self, slopes: impl Fn(f64, f64) -> [f64; 2]) -> Tensor<f64> {
         let third = self.jacobian.powf(-2.0 / 3.0);
         let inverse = self.inverse_transposed();
         let stretch = product(&transposed(&self.f), &self.f);
         let first = trace(&stretch);
         let second = 0.5 * (first * first - contract(&stretch, &stretch));
-        let excess = third * first - 3.0;
-        let slope = law.c10 + 2.0 * law.c20 * excess + 3.0 * law.c30 * excess * excess;
+        let [by_first, by_second] = slopes(third * first, third * third * second);
         let direction = plus(&self.f, -first / 3.0, &inverse);
-        let stress = scaled(2.0 * slope * third, &direction);
+        let stress = scaled(2.0 * by_first * third, &direction);
         let turned = scaled(first, &self.f);
         let turned = plus(&turned, -1.0, &product(&self.f, &stretch));
         let turned = plus(&turned, -2.0 * second / 3.0, &inverse);
-        plus(&stress, 2.0 * law.c01 * third * third, &turned)
+        plus(&stress, 2.0 * by_second * third * third, &turned)
     }
 
     fn of_stretches(&self, law: &Ogden) -> Tensor<f64> {
@@ -92,6 +104,43 @@ impl Deformed {
     }
 }
 
+/// W1 and W2 at the invariants, as the laws' papers write them.
+fn slopes(law: &Potential, first: f64, second: f64) -> [f64; 2] {
+    match law {
+        Potential::Polynomial(law) => {
+            let (x, y) = (first - 3.0, second - 3.0);
+            let terms = law.coefficients.iter().zip(POWERS);
+            terms.fold([0.0; 2], |[one, two], (c, (i, j))| {
+                let slope =
+                    |n: i32, x: f64| f64::from(n) * if n == 0 { 0.0 } else { x.powi(n - 1) };
+                [
+                    one + c * slope(i, x) * y.powi(j),
+                    two + c * x.powi(i) * slope(j, y),
+                ]
+            })
+        }
+        Potential::Gent(law) => {
+            let within = (first - 3.0).min(GENT_LAST * law.limit);
+            let left = 1.0 - within / law.limit;
+            let beyond = (first - 3.0 - within) / (law.limit * left);
+            [0.5 * law.shear_modulus / left * (1.0 + beyond), 0.0]
+        }
+        Potential::ArrudaBoyce(law) => {
+            let chain = [
+                0.5,
+                1.0 / 20.0,
+                11.0 / 1050.0,
+                19.0 / 7000.0,
+                519.0 / 673_750.0,
+            ];
+            let square = law.locking_stretch * law.locking_stretch;
+            let terms = (1..).zip(chain);
+            let slope = terms.map(|(i, a)| f64::from(i) * a * (first / square).powi(i - 1));
+            [law.modulus * slope.sum::<f64>(), 0.0]
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,7 +148,7 @@ mod tests {
 
     const H: Tensor<f64> = [[0.3, -0.2, 0.3], [0.15, 0.2, -0.25], [-0.3, 0.1, -0.35]];
 
-    fn rubbers() -> [Rubber; 2] {
+    fn rubbers() -> Vec<Rubber> {
         let (c10, c01, c20, c30) = (0.4, 0.1, 0.05, 0.02);
         let terms = [(0.7, 2.6), (-0.2, -1.3)];
         let terms = terms.map(|(modulus, exponent)| OgdenTerm { modulus, exponent });
@@ -109,10 +158,13 @@ mod tests {
                 terms: terms.to_vec(),
             }),
         ]
+        .into_iter()
+        .chain(crate::material::examples().map(Isochoric::Potential))
         .map(|isochoric| Rubber {
             isochoric,
             inverse_bulk: 0.1,
         })
+        .collect()
     }
 
     #[test]

@@ -21,7 +21,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("krylov", 892, 13),
     ("lib", 260, 0),
     ("linalg", 2828, 15),
-    ("material", 817, 1),
+    ("material", 1192, 3),
     ("mesh", 2643, 11),
     ("model", 4301, 18),
     ("obstacle", 5869, 51),
@@ -38,7 +38,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("space", 190, 0),
     ("sqp", 6467, 77),
     ("stability", 275, 5),
-    ("verify", 1333, 8),
+    ("verify", 1382, 9),
 ];
 
 /// Per cent by which a room may outgrow its recorded lines.

@@ -86,6 +86,11 @@ impl Factors {
             RubberModel::Yeoh { c10, c20, c30 } => {
                 [c10, c20, c30].into_iter().for_each(|c| *c *= self.stress);
             }
+            RubberModel::Polynomial { coefficients } => {
+                coefficients.iter_mut().for_each(|c| *c *= self.stress);
+            }
+            RubberModel::Gent { shear_modulus, .. } => *shear_modulus *= self.stress,
+            RubberModel::ArrudaBoyce { mu, .. } => *mu *= self.stress,
             RubberModel::Ogden { mu, .. } => mu.iter_mut().for_each(|mu| *mu *= self.stress),
         }
     }

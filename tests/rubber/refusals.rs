@@ -34,6 +34,29 @@ fn ogden(mu: &[f64], alpha: &[f64]) -> Scene {
     rubber(RubberModel::Ogden { mu, alpha }, None)
 }
 
+fn polynomial(change: impl FnOnce(&mut [f64; 9])) -> Scene {
+    let mut coefficients = [0.0; 9];
+    coefficients[0] = 0.4;
+    change(&mut coefficients);
+    rubber(RubberModel::Polynomial { coefficients }, None)
+}
+
+fn gent(shear_modulus: f64, limit: f64) -> Scene {
+    let law = RubberModel::Gent {
+        shear_modulus,
+        limit,
+    };
+    rubber(law, None)
+}
+
+fn arruda_boyce(mu: f64, locking_stretch: f64) -> Scene {
+    let law = RubberModel::ArrudaBoyce {
+        mu,
+        locking_stretch,
+    };
+    rubber(law, None)
+}
+
 /// One fault, on `path`, whose message has `word`.
 fn assert_refused(scene: &Scene, path: &str, word: &str) {
     let found = violations(scene, &[], &block());
@@ -66,8 +89,12 @@ fn the_shear_modulus_at_rest_is_above_zero() {
     );
     assert_refused(&yeoh(-1.0, 1.0, 1.0), "material.body.c10", rest);
     assert_refused(&ogden(&[1.0, 2.0], &[2.0, -2.0]), "material.body.mu", rest);
-    let soft = RubberModel::NeoHookean { shear_modulus: 0.0 };
+    let opposed = polynomial(|c| c[1] = -0.4);
+    assert_refused(&opposed, "material.body.c10", rest);
     let path = "material.body.shear_modulus";
+    assert_refused(&gent(0.0, 30.0), path, "above zero");
+    assert_refused(&arruda_boyce(-1.0, 3.0), "material.body.mu", "above zero");
+    let soft = RubberModel::NeoHookean { shear_modulus: 0.0 };
     assert_refused(&rubber(soft, None), path, "above zero");
 }
 
@@ -85,11 +112,25 @@ fn coefficients_are_finite() {
         (mooney_rivlin(0.1, nan), "c01"),
         (yeoh(0.1, infinite, 0.0), "c20"),
         (yeoh(0.1, 0.0, nan), "c30"),
+        (polynomial(|c| c[3] = nan), "c11"),
+        (polynomial(|c| c[8] = infinite), "c03"),
         (ogden(&[nan], &[2.0]), "mu"),
         (ogden(&[1.0], &[nan]), "alpha"),
     ] {
         let path = format!("material.body.{key}");
         assert_refused(&scene, &path, "must be finite");
+    }
+}
+
+#[test]
+fn chains_have_a_length() {
+    let path = "material.body.limit";
+    for limit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert_refused(&gent(1.0, limit), path, "above zero");
+    }
+    let path = "material.body.locking_stretch";
+    for stretch in [1.0, 0.0, -2.0, f64::NAN, f64::INFINITY] {
+        assert_refused(&arruda_boyce(1.0, stretch), path, "above one");
     }
 }
 

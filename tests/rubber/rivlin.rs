@@ -30,7 +30,7 @@ fn plane() -> Arc<Mesh> {
     mesh(irregular(square(3), 3))
 }
 
-fn laws() -> [RubberModel; 3] {
+fn laws() -> [RubberModel; 6] {
     [
         RubberModel::MooneyRivlin { c10: 0.4, c01: 0.1 },
         RubberModel::NeoHookean { shear_modulus: 1.3 },
@@ -39,7 +39,45 @@ fn laws() -> [RubberModel; 3] {
             c20: 0.05,
             c30: 0.01,
         },
+        RubberModel::Polynomial {
+            coefficients: [0.4, 0.1, 0.03, 0.02, 0.01, 0.004, 0.003, 0.002, 0.001],
+        },
+        RubberModel::Gent {
+            shear_modulus: 1.1,
+            limit: 20.0,
+        },
+        RubberModel::ArrudaBoyce {
+            mu: 0.9,
+            locking_stretch: 2.5,
+        },
     ]
+}
+
+/// Nine terms of Rivlin's polynomial at a = i1 - 3, b = i2 - 3, and their slopes.
+fn polynomial([c10, c01, c20, c11, c02, c30, c21, c12, c03]: [f64; 9], a: f64, b: f64) -> [f64; 3] {
+    let linear = c10 * a + c01 * b;
+    let square = c20 * a * a + c11 * a * b + c02 * b * b;
+    let cubic = c30 * a * a * a + c21 * a * a * b + c12 * a * b * b + c03 * b * b * b;
+    let first = c10 + 2.0 * c20 * a + c11 * b + 3.0 * c30 * a * a + 2.0 * c21 * a * b + c12 * b * b;
+    let second =
+        c01 + c11 * a + 2.0 * c02 * b + c21 * a * a + 2.0 * c12 * a * b + 3.0 * c03 * b * b;
+    [linear + square + cubic, first, second]
+}
+
+/// Arruda and Boyce's five terms and their slope.
+fn eight_chains(mu: f64, locking_stretch: f64, i1: f64) -> [f64; 3] {
+    let n = locking_stretch * locking_stretch;
+    let energy = 0.5 * (i1 - 3.0)
+        + (i1.powi(2) - 9.0) / (20.0 * n)
+        + 11.0 * (i1.powi(3) - 27.0) / (1050.0 * n.powi(2))
+        + 19.0 * (i1.powi(4) - 81.0) / (7000.0 * n.powi(3))
+        + 519.0 * (i1.powi(5) - 243.0) / (673_750.0 * n.powi(4));
+    let slope = 0.5
+        + i1 / (10.0 * n)
+        + 11.0 * i1.powi(2) / (350.0 * n.powi(2))
+        + 19.0 * i1.powi(3) / (1750.0 * n.powi(3))
+        + 519.0 * i1.powi(4) / (134_750.0 * n.powi(4));
+    [mu * energy, mu * slope, 0.0]
 }
 
 /// Energy, W1 and W2 at the invariants of an isochoric F.
@@ -55,6 +93,19 @@ fn energy(law: &RubberModel, i1: f64, i2: f64) -> [f64; 3] {
             c10 + 2.0 * c20 * a + 3.0 * c30 * a * a,
             0.0,
         ],
+        RubberModel::Polynomial { coefficients } => polynomial(coefficients, a, b),
+        RubberModel::Gent {
+            shear_modulus: mu,
+            limit,
+        } => [
+            -0.5 * mu * limit * (1.0 - a / limit).ln(),
+            0.5 * mu / (1.0 - a / limit),
+            0.0,
+        ],
+        RubberModel::ArrudaBoyce {
+            mu,
+            locking_stretch,
+        } => eight_chains(mu, locking_stretch, i1),
         RubberModel::Ogden { .. } => unreachable!("no Ogden law here"),
     }
 }

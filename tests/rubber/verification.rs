@@ -20,7 +20,7 @@ fn rubber(model: RubberModel, bulk_modulus: Option<f64>) -> Scene {
     scene
 }
 
-fn laws() -> [RubberModel; 4] {
+fn laws() -> [RubberModel; 7] {
     [
         RubberModel::MooneyRivlin { c10: 0.4, c01: 0.1 },
         RubberModel::NeoHookean { shear_modulus: 1.0 },
@@ -32,6 +32,17 @@ fn laws() -> [RubberModel; 4] {
         RubberModel::Ogden {
             mu: vec![0.63, 0.0012, -0.01],
             alpha: vec![1.3, 5.0, -2.0],
+        },
+        RubberModel::Polynomial {
+            coefficients: [0.4, 0.1, 0.03, 0.02, 0.01, 0.004, 0.003, 0.002, 0.001],
+        },
+        RubberModel::Gent {
+            shear_modulus: 1.1,
+            limit: 3.0,
+        },
+        RubberModel::ArrudaBoyce {
+            mu: 0.9,
+            locking_stretch: 1.5,
         },
     ]
 }

@@ -18,12 +18,14 @@ from .errors import SignoriniError, SignoriniWarning
 from .mesh import Mesh, boundary
 from .results import Increment, Iteration, Result
 from .scene import (
+    ArrudaBoyce,
     BodyForce,
     Box,
     CappedCylinder,
     Cone,
     Cylinder,
     DistanceGrid,
+    Gent,
     HalfSpace,
     HeightField,
     LinearElastic,
@@ -32,6 +34,7 @@ from .scene import (
     NeoHookean,
     Obstacle,
     Ogden,
+    Polynomial,
     Pressure,
     Probe,
     Scene,
@@ -50,6 +53,7 @@ from .scene import (
 from .scenes import example
 
 __all__ = [
+    "ArrudaBoyce",
     "BodyForce",
     "Box",
     "CappedCylinder",
@@ -57,6 +61,7 @@ __all__ = [
     "Cone",
     "Cylinder",
     "DistanceGrid",
+    "Gent",
     "HalfSpace",
     "HeightField",
     "Increment",
@@ -69,6 +74,7 @@ __all__ = [
     "Obstacle",
     "Ogden",
     "Pending",
+    "Polynomial",
     "Pressure",
     "Probe",
     "Result",

@@ -131,7 +131,58 @@ class Ogden(Part):
     formulation: str | None = None
 
 
-Material = LinearElastic | Stokes | MooneyRivlin | NeoHookean | Yeoh | Ogden | Mapping[str, Any]
+@dataclass(kw_only=True)
+class Polynomial(Part):
+    """Rubber by Rivlin's polynomial up to the third order; its shear modulus is 2 (c10 + c01)."""
+
+    constant = {"model": "polynomial"}
+    c10: float = 0.0
+    c01: float = 0.0
+    c20: float = 0.0
+    c11: float = 0.0
+    c02: float = 0.0
+    c30: float = 0.0
+    c21: float = 0.0
+    c12: float = 0.0
+    c03: float = 0.0
+    bulk_modulus: float | None = None
+    formulation: str | None = None
+
+
+@dataclass(kw_only=True)
+class Gent(Part):
+    """Rubber whose chains come to an end: i1 - 3 stays below `limit`."""
+
+    constant = {"model": "gent"}
+    shear_modulus: float
+    limit: float
+    bulk_modulus: float | None = None
+    formulation: str | None = None
+
+
+@dataclass(kw_only=True)
+class ArrudaBoyce(Part):
+    """Rubber by five terms of the law of eight chains, straight at `locking_stretch`."""
+
+    constant = {"model": "arruda-boyce"}
+    mu: float
+    locking_stretch: float
+    bulk_modulus: float | None = None
+    formulation: str | None = None
+
+
+Material = (
+    LinearElastic
+    | Stokes
+    | MooneyRivlin
+    | NeoHookean
+    | Yeoh
+    | Ogden
+    | Polynomial
+    | Gent
+    | ArrudaBoyce
+    | Mapping[str, Any]
+)
 
 
 @dataclass(kw_only=True)

@@ -285,9 +285,15 @@ struct Named<'a> {
 fn stretches(scene: &v1::Scene) -> Option<OutOfPlane> {
     use v1::material::Model;
     let is_rubber = |material: &v1::Material| match material.model {
-        Some(Model::MooneyRivlin(_) | Model::NeoHookean(_) | Model::Yeoh(_) | Model::Ogden(_)) => {
-            true
-        }
+        Some(
+            Model::MooneyRivlin(_)
+            | Model::NeoHookean(_)
+            | Model::Yeoh(_)
+            | Model::Ogden(_)
+            | Model::Polynomial(_)
+            | Model::Gent(_)
+            | Model::ArrudaBoyce(_),
+        ) => true,
         Some(Model::LinearElastic(_) | Model::Stokes(_)) | None => false,
     };
     let out = match scene.kind() {

@@ -63,6 +63,28 @@ const MODELS: &[(&str, &[&str], ReadModel)] = &[
     ),
     ("yeoh", &["c10", "c20", "c30", "bulk_modulus"], yeoh),
     ("ogden", &["mu", "alpha", "bulk_modulus"], ogden),
+    (
+        "polynomial",
+        &[
+            "c10",
+            "c01",
+            "c20",
+            "c11",
+            "c02",
+            "c30",
+            "c21",
+            "c12",
+            "c03",
+            "bulk_modulus",
+        ],
+        polynomial,
+    ),
+    ("gent", &["shear_modulus", "limit", "bulk_modulus"], gent),
+    (
+        "arruda-boyce",
+        &["mu", "locking_stretch", "bulk_modulus"],
+        arruda_boyce,
+    ),
 ];
 
 pub(super) fn materials(scene: &Keys<'_>) -> Vec<v1::Material> {
@@ -149,6 +171,38 @@ fn ogden(keys: &Keys<'_>) -> Option<Model> {
     Some(Model::Ogden(v1::Ogden {
         mu: keys.numbers("mu"),
         alpha: keys.numbers("alpha"),
+        bulk_modulus: keys.number("bulk_modulus"),
+    }))
+}
+
+fn polynomial(keys: &Keys<'_>) -> Option<Model> {
+    let coefficient = |key| keys.number(key).unwrap_or_default();
+    Some(Model::Polynomial(v1::Polynomial {
+        c10: coefficient("c10"),
+        c01: coefficient("c01"),
+        c20: coefficient("c20"),
+        c11: coefficient("c11"),
+        c02: coefficient("c02"),
+        c30: coefficient("c30"),
+        c21: coefficient("c21"),
+        c12: coefficient("c12"),
+        c03: coefficient("c03"),
+        bulk_modulus: keys.number("bulk_modulus"),
+    }))
+}
+
+fn gent(keys: &Keys<'_>) -> Option<Model> {
+    Some(Model::Gent(v1::Gent {
+        shear_modulus: keys.required_number("shear_modulus"),
+        limit: keys.required_number("limit"),
+        bulk_modulus: keys.number("bulk_modulus"),
+    }))
+}
+
+fn arruda_boyce(keys: &Keys<'_>) -> Option<Model> {
+    Some(Model::ArrudaBoyce(v1::ArrudaBoyce {
+        mu: keys.required_number("mu"),
+        locking_stretch: keys.required_number("locking_stretch"),
         bulk_modulus: keys.number("bulk_modulus"),
     }))
 }

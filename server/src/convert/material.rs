@@ -48,6 +48,9 @@ fn model(law: Model, formulation: Formulation, path: &str, faults: &mut Faults) 
             let bulk_modulus = law.bulk_modulus;
             rubber(ogden(law, path, faults), bulk_modulus)
         }
+        Model::Polynomial(law) => rubber(polynomial(&law), law.bulk_modulus),
+        Model::Gent(law) => rubber(gent(&law, path, faults), law.bulk_modulus),
+        Model::ArrudaBoyce(law) => rubber(arruda_boyce(&law, path, faults), law.bulk_modulus),
     }
 }
 
@@ -78,6 +81,28 @@ fn ogden(law: wire::Ogden, path: &str, faults: &mut Faults) -> RubberModel {
     RubberModel::Ogden {
         mu: law.mu,
         alpha: law.alpha,
+    }
+}
+
+fn polynomial(law: &wire::Polynomial) -> RubberModel {
+    RubberModel::Polynomial {
+        coefficients: [
+            law.c10, law.c01, law.c20, law.c11, law.c02, law.c30, law.c21, law.c12, law.c03,
+        ],
+    }
+}
+
+fn gent(law: &wire::Gent, path: &str, faults: &mut Faults) -> RubberModel {
+    RubberModel::Gent {
+        shear_modulus: faults.required(law.shear_modulus, &format!("{path}.shear_modulus")),
+        limit: faults.required(law.limit, &format!("{path}.limit")),
+    }
+}
+
+fn arruda_boyce(law: &wire::ArrudaBoyce, path: &str, faults: &mut Faults) -> RubberModel {
+    RubberModel::ArrudaBoyce {
+        mu: faults.required(law.mu, &format!("{path}.mu")),
+        locking_stretch: faults.required(law.locking_stretch, &format!("{path}.locking_stretch")),
     }
 }
 
@@ -181,7 +206,48 @@ mod tests {
                 },
             ),
         ];
-        for (message, model) in cases {
+        let others = [
+            (
+                Model::Polynomial(wire::Polynomial {
+                    c10: 1.0,
+                    c01: 2.0,
+                    c20: 3.0,
+                    c11: 4.0,
+                    c02: 5.0,
+                    c30: 6.0,
+                    c21: 7.0,
+                    c12: 8.0,
+                    c03: 9.0,
+                    bulk_modulus,
+                }),
+                RubberModel::Polynomial {
+                    coefficients: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+                },
+            ),
+            (
+                Model::Gent(wire::Gent {
+                    shear_modulus: Some(0.8),
+                    limit: Some(30.0),
+                    bulk_modulus,
+                }),
+                RubberModel::Gent {
+                    shear_modulus: 0.8,
+                    limit: 30.0,
+                },
+            ),
+            (
+                Model::ArrudaBoyce(wire::ArrudaBoyce {
+                    mu: Some(0.8),
+                    locking_stretch: Some(3.0),
+                    bulk_modulus,
+                }),
+                RubberModel::ArrudaBoyce {
+                    mu: 0.8,
+                    locking_stretch: 3.0,
+                },
+            ),
+        ];
+        for (message, model) in cases.into_iter().chain(others) {
             let (found, faults) = convert(message);
             let formulation = Formulation::Auto;
             let expected = MaterialModel::Rubber {

@@ -39,7 +39,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for RespondPass<'
                 &mut element,
                 |part, _, vertices| Respond {
                     law: law.load(simd, part),
-                    stretches: law.stretches::<S>(part),
+                    by_point: law.by_point::<S>(part),
                     volume: law.volume(simd, part, self.cells.penalty),
                     pressures: vertex_pressures(simd, vertices, part),
                     volumes: [zero; V],
@@ -108,7 +108,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for LinearisePass
                         roots: &roots,
                         hoops: &hoops,
                         tangents: &tangents,
-                        stretches: law.stretches::<S>(part),
+                        by_point: law.by_point::<S>(part),
                     }
                 },
                 |_, _, _| (),

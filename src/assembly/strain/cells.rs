@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::bend::Curve;
+use super::by_point::{LaneLaw, TANGENT};
 use super::kernel::BatchCells;
 use super::laws::VolumeTerm;
-use super::stretches::{Stretches, TANGENT};
 use crate::assembly::grid::{CellGrid, Grid};
 use crate::assembly::kernel::Batch;
 use crate::assembly::lanes::{Lanes, Pack, WIDTH};
@@ -26,7 +26,7 @@ pub struct CellLaws<'a> {
 /// A law as kernels take it: one of the parts is zero.
 struct Split {
     invariants: InvariantLaw<f64>,
-    stretches: Stretches,
+    by_point: LaneLaw,
     modulus: f64,
     compliance: f64,
 }
@@ -39,13 +39,15 @@ impl Split {
             c20: 0.0,
             c30: 0.0,
         };
-        let (invariants, stretches) = match &rubber.isochoric {
+        let (invariants, by_point) = match &rubber.isochoric {
             Isochoric::Invariants(law) => (*law, None),
-            Isochoric::Ogden(law) => (none, Some(Arc::new(law.clone()))),
+            law @ (Isochoric::Ogden(_) | Isochoric::Potential(_)) => {
+                (none, Some(Arc::new(law.clone())))
+            }
         };
         Self {
             invariants,
-            stretches,
+            by_point,
             modulus: rubber.shear_modulus(),
             compliance: rubber.inverse_bulk,
         }
@@ -57,7 +59,7 @@ impl Split {
 pub(super) struct BatchLaw {
     invariants: InvariantLaw<Lanes>,
     /// Absent where every lane has a law in invariants.
-    stretches: Option<Box<[Stretches; WIDTH]>>,
+    by_point: Option<Box<[LaneLaw; WIDTH]>>,
     modulus: Lanes,
     /// 1 / K.
     compliance: Lanes,
@@ -71,7 +73,7 @@ impl BatchLaw {
             &laws[usize::from(of_cell[cell])]
         };
         let lanes = |part: fn(&Split) -> f64| Lanes(std::array::from_fn(|lane| part(law(lane))));
-        let stretches: [Stretches; WIDTH] = std::array::from_fn(|lane| law(lane).stretches.clone());
+        let by_point: [LaneLaw; WIDTH] = std::array::from_fn(|lane| law(lane).by_point.clone());
         Self {
             invariants: InvariantLaw {
                 c10: lanes(|law| law.invariants.c10),
@@ -79,18 +81,18 @@ impl BatchLaw {
                 c20: lanes(|law| law.invariants.c20),
                 c30: lanes(|law| law.invariants.c30),
             },
-            stretches: (stretches.iter().any(Option::is_some)).then(|| Box::new(stretches)),
+            by_point: (by_point.iter().any(Option::is_some)).then(|| Box::new(by_point)),
             modulus: lanes(|law| law.modulus),
             compliance: lanes(|law| law.compliance),
         }
     }
 
-    /// Laws in stretches of one part's lanes; none where there are none at all.
+    /// Laws by point of one part's lanes; none where there are none at all.
     #[inline(always)]
-    pub(super) fn stretches<S: pulp::Simd>(&self, part: usize) -> &[Stretches] {
+    pub(super) fn by_point<S: pulp::Simd>(&self, part: usize) -> &[LaneLaw] {
         let lanes = part * S::F64_LANES..(part + 1) * S::F64_LANES;
-        match &self.stretches {
-            Some(stretches) => &stretches[lanes],
+        match &self.by_point {
+            Some(by_point) => &by_point[lanes],
             None => &[],
         }
     }
@@ -154,7 +156,7 @@ impl StrainGrid {
             let laws = batches.map(|cells| BatchLaw::new(cells, &split, laws.of_cell));
             laws.collect()
         };
-        let keeps_tangents = split.iter().any(|law| law.stretches.is_some());
+        let keeps_tangents = split.iter().any(|law| law.by_point.is_some());
         Self {
             tangents: if keeps_tangents { TANGENT } else { 0 },
             laws: Arc::new(blocks.iter().map(of_block).collect()),
@@ -248,7 +250,7 @@ impl StrainGrid {
 }
 
 /// What a state leaves for products: vertex gradients, pressures, J^(-1/3) at the
-/// points and, about an axis, the stretch around it, for laws in stretches the
+/// points and, about an axis, the stretch around it, for laws by point the
 /// tangent.
 #[derive(Clone, Debug, Default)]
 pub struct Linearised {

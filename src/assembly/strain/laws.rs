@@ -2,9 +2,9 @@
 
 use pulp::Simd;
 
+use super::by_point::{self, LaneLaw, TANGENT};
 use super::kernel::{PointLaw, Site};
 use super::points::{VertexGradients, at_point};
-use super::stretches::{self, Stretches, TANGENT};
 use crate::assembly::lanes::{Lanes, Pack, WIDTH};
 use crate::geometry::tensor::{Tensor, plus, volume_change};
 use crate::material::{Deformation, InvariantLaw};
@@ -79,7 +79,7 @@ impl<S: Simd> VolumeTerm<S> {
 /// Stress, energy and volume at a state.
 pub(super) struct Respond<'a, S: Simd, const V: usize> {
     pub(super) law: InvariantLaw<Pack<S>>,
-    pub(super) stretches: &'a [Stretches],
+    pub(super) by_point: &'a [LaneLaw],
     pub(super) volume: VolumeTerm<S>,
     pub(super) pressures: [Pack<S>; V],
     /// int lambda_j (J - 1).
@@ -105,15 +105,15 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<'_, S, V> {
         add_moments(&mut self.volumes, site.hats, site.weight * at.volume_change);
         let pressure = pressure - self.volume.pressure(change, pressure);
         let mut stress = plus(&self.law.stress(&at), -pressure, &at.cofactor);
-        if !self.stretches.is_empty() {
-            let energy = stretches::add_response(self.stretches, gradient, &mut stress);
+        if !self.by_point.is_empty() {
+            let energy = by_point::add_response(self.by_point, gradient, &mut stress);
             self.energy = self.energy.plus_product(site.weight, energy);
         }
         stress
     }
 }
 
-/// J^(-1/3) at the points, and the tangents of laws in stretches.
+/// J^(-1/3) at the points, and the tangents of laws by point.
 pub(super) struct Roots<'a> {
     pub(super) part: usize,
     /// Shared by the parts of a batch.
@@ -121,7 +121,7 @@ pub(super) struct Roots<'a> {
     /// Stretches around an axis less one; empty where there is none.
     pub(super) hoops: &'a std::cell::RefCell<&'a mut [Lanes]>,
     pub(super) tangents: &'a std::cell::RefCell<&'a mut [Lanes]>,
-    pub(super) stretches: &'a [Stretches],
+    pub(super) by_point: &'a [LaneLaw],
 }
 
 impl<S: Simd, const V: usize> PointLaw<S, V> for Roots<'_> {
@@ -131,9 +131,9 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Roots<'_> {
         if let Some(hoop) = self.hoops.borrow_mut().get_mut(site.index) {
             gradient[2][2].store(hoop, self.part);
         }
-        if !self.stretches.is_empty() {
+        if !self.by_point.is_empty() {
             let tangents = &mut self.tangents.borrow_mut()[site.index * TANGENT..];
-            stretches::store_tangent(self.stretches, gradient, tangents, self.part);
+            by_point::store_tangent(self.by_point, gradient, tangents, self.part);
         }
         *gradient
     }
@@ -150,7 +150,7 @@ pub(super) struct Frozen<'a, S: Simd, const V: usize, const D: usize> {
     pub(super) roots: &'a [Lanes],
     /// Stretches around an axis less one; empty where there is none.
     pub(super) hoops: &'a [Lanes],
-    /// Of laws in stretches at all points; empty where there are none.
+    /// Of laws by point at all points; empty where there are none.
     pub(super) tangents: &'a [Lanes],
 }
 
@@ -172,12 +172,12 @@ impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
         pressure - self.volume.pressure(at.volume_change, pressure)
     }
 
-    /// Adds the tangent of laws in stretches in the direction `change`.
+    /// Adds the tangent of laws by point in the direction `change`.
     #[inline(always)]
-    fn add_stretches(&self, point: usize, change: &Tensor<Pack<S>>, stress: &mut Tensor<Pack<S>>) {
+    fn add_by_point(&self, point: usize, change: &Tensor<Pack<S>>, stress: &mut Tensor<Pack<S>>) {
         if !self.tangents.is_empty() {
             let tangents = &self.tangents[point * TANGENT..];
-            stretches::add_tangent((self.simd, self.part), tangents, change, stress);
+            by_point::add_tangent((self.simd, self.part), tangents, change, stress);
         }
     }
 }
@@ -195,7 +195,7 @@ impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
         let at = self.at(site);
         let pressure = self.pressure(site.hats, &at);
         let (mut stress, volume) = law.tangent(&at, pressure, gradient);
-        self.add_stretches(site.index, gradient, &mut stress);
+        self.add_by_point(site.index, gradient, &mut stress);
         let stiffness = volumetric + self.volume.stiffness;
         (plus(&stress, stiffness * volume, &at.cofactor), volume)
     }
@@ -217,7 +217,7 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Tangent<'_, S, 
         let at = self.frozen.at(site);
         let pressure = self.frozen.pressure(site.hats, &at);
         let (mut stress, volume) = self.law.tangent(&at, pressure, gradient);
-        self.frozen.add_stretches(site.index, gradient, &mut stress);
+        self.frozen.add_by_point(site.index, gradient, &mut stress);
         add_moments(&mut self.volumes, site.hats, site.weight * volume);
         let change = interpolate(site.hats, &self.changes);
         let pushed = self.frozen.volume.pressure(volume, change) - change;

@@ -11,7 +11,7 @@
 //! between the two. What is linearised about are the G_j, the pressures and
 //! J^(-1/3) at the points: 380 bytes per tetrahedron with four points; stresses and
 //! tangents are computed anew in every product in space, once a state in the plane; the smoother of
-//! an inverse about a state takes one tangent a cell (`single`). Laws in principal stretches are
+//! an inverse about a state takes one tangent a cell (`single`). Laws by point are
 //! taken lane by lane; they leave their tangent at the points too, 360 bytes each.
 //! About an axis the stretch around it is kept at each point too.
 //!
@@ -29,6 +29,7 @@
 
 mod batch_pass;
 mod bend;
+mod by_point;
 mod cell_tangents;
 mod cells;
 mod kernel;
@@ -42,7 +43,6 @@ mod response;
 mod ring;
 mod single;
 mod stored;
-mod stretches;
 mod tangent;
 
 pub(super) use bend::Curve;

@@ -4,7 +4,10 @@
 //! mu alpha / 2; Poisson's ratio at rest (3 K - 2 mu) / (2 (3 K + mu)).
 
 use super::{Faults, Resolved, ResolvedMaterial};
-use crate::material::{InvariantLaw, Isochoric, LinearElastic, Ogden, OgdenTerm, Rubber};
+use crate::material::{
+    ArrudaBoyce, Gent, InvariantLaw, Isochoric, LinearElastic, Ogden, OgdenTerm, POWERS,
+    Polynomial, Potential, Rubber,
+};
 use crate::scene::{
     Choice, ContactMethod, DisplacementMethod, Named, RubberModel, SaddleMethod, Scene, SceneKind,
     SolverOptions, ToleranceRule,
@@ -103,6 +106,15 @@ fn isochoric(model: &RubberModel, path: &str, faults: &mut Faults) -> Isochoric 
             [c10, 0.0, c20, c30]
         }
         RubberModel::Ogden { mu, alpha } => return ogden(mu, alpha, path, faults),
+        RubberModel::Polynomial { coefficients } => return polynomial(*coefficients, path, faults),
+        &RubberModel::Gent {
+            shear_modulus,
+            limit,
+        } => return gent(shear_modulus, limit, path, faults),
+        &RubberModel::ArrudaBoyce {
+            mu,
+            locking_stretch,
+        } => return arruda_boyce(mu, locking_stretch, path, faults),
     };
     Isochoric::Invariants(InvariantLaw { c10, c01, c20, c30 })
 }
@@ -157,6 +169,37 @@ fn ogden(mu: &[f64], alpha: &[f64], path: &str, faults: &mut Faults) -> Isochori
     let formula = "the sum of mu alpha / 2";
     at_rest(law.shear_modulus(), formula, &format!("{path}.mu"), faults);
     Isochoric::Ogden(law)
+}
+
+/// Rivlin's polynomial, its coefficients checked.
+fn polynomial(coefficients: [f64; 9], path: &str, faults: &mut Faults) -> Isochoric {
+    let names = POWERS.map(|(i, j)| format!("c{i}{j}"));
+    let pairs: Vec<(&str, f64)> = names.iter().map(String::as_str).zip(coefficients).collect();
+    all_finite(&pairs, path, faults);
+    let modulus = 2.0 * (coefficients[0] + coefficients[1]);
+    at_rest(modulus, "2 (c10 + c01)", &format!("{path}.c10"), faults);
+    Isochoric::Potential(Potential::Polynomial(Polynomial { coefficients }))
+}
+
+fn gent(shear_modulus: f64, limit: f64, path: &str, faults: &mut Faults) -> Isochoric {
+    faults.above_zero(&format!("{path}.shear_modulus"), shear_modulus);
+    faults.above_zero(&format!("{path}.limit"), limit);
+    Isochoric::Potential(Potential::Gent(Gent {
+        shear_modulus,
+        limit,
+    }))
+}
+
+fn arruda_boyce(mu: f64, locking_stretch: f64, path: &str, faults: &mut Faults) -> Isochoric {
+    faults.above_zero(&format!("{path}.mu"), mu);
+    if !(locking_stretch > 1.0 && locking_stretch.is_finite()) {
+        let message = format!("must be above one and finite, not {locking_stretch}");
+        faults.add(format!("{path}.locking_stretch"), message);
+    }
+    Isochoric::Potential(Potential::ArrudaBoyce(ArrudaBoyce {
+        modulus: mu,
+        locking_stretch,
+    }))
 }
 
 /// Refuses what rubber is not solved with, and what only rubber has.

@@ -142,6 +142,15 @@ impl Canonical {
                 self.numbers(mu);
                 self.numbers(alpha);
             }
+            RubberModel::Polynomial { coefficients } => self.numbers(coefficients),
+            RubberModel::Gent {
+                shear_modulus,
+                limit,
+            } => self.numbers(&[*shear_modulus, *limit]),
+            RubberModel::ArrudaBoyce {
+                mu,
+                locking_stretch,
+            } => self.numbers(&[*mu, *locking_stretch]),
         }
     }
 

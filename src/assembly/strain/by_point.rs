@@ -1,6 +1,6 @@
-//! Laws in principal stretches at the points of an element, one lane after the
-//! other: eigenvalues are not a matter of registers. Products take the tangent that
-//! the state left, 45 products and sums a point in registers again.
+//! Laws that are taken point by point, one lane after the other: eigenvalues and logarithms are
+//! not a matter of registers. Products take the tangent that the state left, 45 products and sums
+//! a point in registers again.
 
 use std::sync::Arc;
 
@@ -8,21 +8,21 @@ use pulp::Simd;
 
 use crate::assembly::lanes::{Lanes, Pack};
 use crate::geometry::tensor::{Tensor, volume_change};
-use crate::material::Ogden;
+use crate::material::Isochoric;
 
-/// A law in principal stretches; none in lanes of a law in invariants.
-pub(super) type Stretches = Option<Arc<Ogden>>;
+/// A law taken point by point; none in lanes of a law that registers take.
+pub(super) type LaneLaw = Option<Arc<Isochoric>>;
 
 /// Numbers of a symmetric tangent matrix; those of a point lie together.
 pub(super) const TANGENT: usize = 45;
 
 /// The displacement gradients of all lanes, one after the other, that are the
-/// right side out and have a law in stretches.
+/// right side out and have a law taken point by point.
 #[inline(always)]
 fn each_lane<S: Simd>(
-    laws: &[Stretches],
+    laws: &[LaneLaw],
     gradient: &Tensor<Pack<S>>,
-    mut visit: impl FnMut(usize, &Ogden, &Tensor<f64>),
+    mut visit: impl FnMut(usize, &Isochoric, &Tensor<f64>),
 ) {
     let mut lanes = [[<Lanes>::zero(); 3]; 3];
     for (row, packs) in lanes.iter_mut().zip(gradient) {
@@ -42,7 +42,7 @@ fn each_lane<S: Simd>(
 /// Adds dW/dF to `stress`; W.
 #[inline(always)]
 pub(super) fn add_response<S: Simd>(
-    laws: &[Stretches],
+    laws: &[LaneLaw],
     gradient: &Tensor<Pack<S>>,
     stress: &mut Tensor<Pack<S>>,
 ) -> Pack<S> {
@@ -67,7 +67,7 @@ pub(super) fn add_response<S: Simd>(
 /// on.
 #[inline(always)]
 pub(super) fn store_tangent<S: Simd>(
-    laws: &[Stretches],
+    laws: &[LaneLaw],
     gradient: &Tensor<Pack<S>>,
     tangents: &mut [Lanes],
     part: usize,
