@@ -159,6 +159,9 @@ pub struct ObstacleResult {
 pub struct SupportResult {
     /// Force that the support exerts on the body `[3]`.
     pub force: [f64; 3],
+    /// Its moment about the point that the support turns about, the origin unless a step has
+    /// given one `[3]`; zero about an axis of revolution.
+    pub moment: [f64; 3],
 }
 
 /// Values at one probe.

@@ -18,6 +18,7 @@ pub(crate) mod friction;
 pub(crate) mod geometry_error;
 pub(crate) mod nodal_force;
 pub(crate) mod passage;
+mod reactions;
 pub(crate) mod step;
 pub(crate) mod touch;
 pub(crate) mod touching;

@@ -10,7 +10,6 @@
 use std::collections::BTreeMap;
 
 use crate::assembly::grid::Rows;
-use crate::geometry::vector3::add;
 use crate::linalg::Workspace;
 use crate::model::Model;
 use crate::model::counters::{Counters, timed};
@@ -21,15 +20,14 @@ use crate::model::internal::Internal;
 use crate::model::internal::internal;
 use crate::model::state::State;
 use crate::model::values::displacement_at;
-use crate::plan::Plan;
-use crate::report::{ObstacleResult, ProbeResult, StepReport, SupportResult, Termination};
+use crate::report::{ObstacleResult, ProbeResult, StepReport, Termination};
 use crate::results::errors::manufactured_errors;
 use crate::results::estimate::{estimate, force_error};
 use crate::results::fields::pressure_share;
 use crate::results::finite_strain::{jacobian_bound, undeformed_pressure};
 use crate::results::friction::add_friction;
 use crate::results::geometry_error::geometry_error;
-use crate::results::nodal_force::{contact_force, reaction};
+use crate::results::reactions::reactions;
 use crate::results::touch::{Touch, pressed_facets};
 use crate::results::touching::Touching;
 
@@ -61,7 +59,7 @@ pub(crate) fn report(
         snapped: ending.snapped.map(|snap| snap.in_units(units)),
         max_penetration: ending.max_penetration * units.length,
         obstacles: obstacles(model, state, estimated.as_ref()),
-        supports: supports(model, state, inside.force),
+        supports: reactions(model, state, inside.force),
         probes: probes(model, state),
         error_estimate: estimated.as_ref().map(|estimate| estimate.relative),
         errors,
@@ -165,52 +163,6 @@ pub(crate) fn add_hidden_forces(
             *error += touch.hidden_force(model) * model.plan.problem.units.force();
         }
     }
-}
-
-/// Reactions: internal force plus contact minus load at held unknowns, given
-/// to the support that holds them.
-fn supports(
-    model: &Model<'_>,
-    state: &State,
-    internal: Vec<f64>,
-) -> BTreeMap<String, SupportResult> {
-    let reaction = reaction(model, state, internal, &contact_force(model, state));
-    let space = &model.prepared.space;
-    let nodal = space.node_forces(&reaction);
-    let mut forces = given_to_supports(model.plan, space.components, &nodal);
-    Touching::of(model, state).add_guides(&mut forces);
-    forces
-}
-
-/// Forces on nodes, given to the supports that hold them.
-pub(crate) fn given_to_supports(
-    plan: &Plan,
-    components: usize,
-    nodal: &[f64],
-) -> BTreeMap<String, SupportResult> {
-    let mut forces = vec![[0.0; 3]; plan.problem.resolved.supports.len()];
-    for &(unknown, support) in &plan.problem.held {
-        let nodal = nodal.get(unknown as usize);
-        // What the axis of a body of revolution holds is no support's.
-        if let (Some(force), Some(nodal)) = (forces.get_mut(usize::from(support)), nodal) {
-            force[unknown as usize % components] += nodal;
-        }
-    }
-    for one in &plan.problem.held_nodes {
-        for (plane, own) in one.planes.iter().zip(one.reactions(components, nodal)) {
-            let sum = &mut forces[usize::from(plane.support)];
-            *sum = add(*sum, own);
-        }
-    }
-    let unit = plan.problem.units.force();
-    let names = plan.problem.resolved.supports.iter();
-    names
-        .zip(forces)
-        .map(|(support, force)| {
-            let force = force.map(|x| x * unit);
-            (support.name.clone(), SupportResult { force })
-        })
-        .collect()
 }
 
 /// Displacement and pressure at every probe by name, in the caller's units.

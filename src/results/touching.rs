@@ -8,13 +8,14 @@ use std::collections::BTreeMap;
 
 use crate::contact::gap::{Deformed, evaluate_gaps};
 use crate::contact::resultant::{Acting, Resultant, resultant};
+use crate::geometry::vector3::add;
 use crate::linalg::vector::scale;
 use crate::model::Model;
 use crate::model::interfaces::{Interface, Interfaces, Placed};
 use crate::model::state::State;
 use crate::obstacle::Obstacle;
 use crate::plan::Plan;
-use crate::report::{ObstacleResult, SupportResult};
+use crate::report::ObstacleResult;
 
 /// Contact state of vertices that carry no multiplier.
 const NOT_A_CANDIDATE: f64 = -1.0;
@@ -67,16 +68,16 @@ impl<'a> Touching<'a> {
         results
     }
 
-    /// Adds what supports exert along their normal.
-    pub(crate) fn add_guides(&self, supports: &mut BTreeMap<String, SupportResult>) {
-        let unit = self.plan.problem.units.force();
-        for (interface, met) in self.placed() {
-            if let (None, Some(result)) = (met.obstacle(), supports.get_mut(&interface.name)) {
-                let found = self.resultant(interface, &met, [0.0; 3]);
-                let sums = result.force.iter_mut().zip(found.force);
-                sums.for_each(|(sum, force)| *sum += force * unit);
-            }
-        }
+    /// What the support `name` exerts along its normal: force, and moment about `reference`,
+    /// non-dimensional; zeros where it has no multipliers.
+    pub(crate) fn guided(&self, name: &str, reference: [f64; 3]) -> [[f64; 3]; 2] {
+        let placed = self.placed();
+        let own =
+            placed.filter(|(interface, met)| interface.name == name && met.obstacle().is_none());
+        own.fold([[0.0; 3]; 2], |[force, moment], (interface, met)| {
+            let found = self.resultant(interface, &met, reference);
+            [add(force, found.force), add(moment, found.moment)]
+        })
     }
 
     /// Force and moment about `reference` of one interface on the body,

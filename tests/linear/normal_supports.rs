@@ -47,10 +47,12 @@ fn assert_same_rollers(scene: fn() -> Scene) {
     let [taken, least] = [&found, &expected].map(|report| report.preconditioner_applications);
     assert!(taken <= least + least / 5 + 3, "{taken} {least}");
     for (name, support) in &expected.supports {
-        let force = turn(&rotation, support.force);
+        let [force, moment] = [support.force, support.moment].map(|x| turn(&rotation, x));
         for i in 0..3 {
             let error = found.supports[name].force[i] - force[i];
             assert!(error.abs() < 1e-10, "{name} {i}: {error:e}");
+            let error = found.supports[name].moment[i] - moment[i];
+            assert!(error.abs() < 1e-10, "moment of {name} {i}: {error:e}");
         }
     }
     let moved = turn(&rotation, expected.probes["inside"].displacement);

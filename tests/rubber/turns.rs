@@ -22,8 +22,8 @@ const AXIS: [f64; 3] = [12.0 / 13.0, 3.0 / 13.0, 4.0 / 13.0];
 /// the body turns about the point that the plane of an obstacle has when it presses.
 const PIVOT: [f64; 3] = [0.0, 0.0, 0.85];
 
-/// Relative errors of energy and axial force for a mesh.
-fn torsion((rings, layers): (usize, usize)) -> [f64; 2] {
+/// Relative errors of energy, axial force and torque for a mesh.
+fn torsion((rings, layers): (usize, usize)) -> [f64; 3] {
     let height = 0.4;
     let mut scene = rubber(mooney_rivlin(), None);
     scene.supports = vec![support("z0", HELD), support("z1", HELD)];
@@ -36,9 +36,17 @@ fn torsion((rings, layers): (usize, usize)) -> [f64; 2] {
     let torque = PI * TWIST * 0.5;
     let axial = -0.5 * PI * TWIST * TWIST * 0.6;
     let energy = 0.5 * torque * TWIST * height;
+    let [held, turned] = ["z0", "z1"].map(|name| reports[0].supports[name].moment);
+    for i in 0..3 {
+        assert!(
+            (held[i] + turned[i]).abs() < 1e-7 * torque,
+            "{held:?} {turned:?}"
+        );
+    }
     [
         (reports[0].strain_energy - energy).abs() / energy,
         (reports[0].supports["z1"].force[2] - axial).abs() / axial.abs(),
+        (turned[2] - torque).abs() / torque,
     ]
 }
 
@@ -57,6 +65,36 @@ fn a_twisted_cylinder_has_the_exact_torque_and_axial_force() {
         "{errors:?}"
     );
     assert!(fine.iter().all(|error| *error <= 1e-3), "{errors:?}");
+}
+
+/// Pressed by a plane at a slant and turned off its axis: moments of the support, about the point
+/// that it turns about, of one that only holds and of the tool balance.
+#[test]
+fn moments_of_supports_and_tools_balance() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.solver.tolerance = 1e-10;
+    scene.supports = vec![support("z0", HELD), support("x0", HELD)];
+    scene.obstacles = vec![press("z1")];
+    let (about, travel) = ([0.0, 0.5, 0.2], [0.02, 0.0, -0.05]);
+    let mut step = push("press", travel);
+    step.supports = vec![turned("x0", [0.0, 0.05, 0.02], about)];
+    let report = solve_one(&scene, &step, &mesh(irregular(cube(3), 5)));
+    let tool = &report.obstacles["press"];
+    let at: [f64; 3] = std::array::from_fn(|i| [0.0, 0.0, 1.0][i] + travel[i]);
+    let [held, turned] = ["z0", "x0"].map(|name| &report.supports[name]);
+    let all = [
+        ([0.0; 3], held.force, held.moment),
+        (about, turned.force, turned.moment),
+        (at, tool.force, tool.moment),
+    ];
+    let scale = tool.force[2].abs();
+    assert!(scale > 0.01, "{scale}");
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        let moment = |(c, f, m): ([f64; 3], [f64; 3], [f64; 3])| m[i] + c[j] * f[k] - c[k] * f[j];
+        let sum: f64 = all.into_iter().map(moment).sum();
+        assert!(sum.abs() < 1e-7 * scale, "{i}: {sum:e}");
+    }
 }
 
 /// What a rotation of everything leaves as it is.

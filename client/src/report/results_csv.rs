@@ -104,6 +104,7 @@ impl Columns {
         }
         for name in &self.supports {
             header.extend(AXES.map(|axis| format!("{name}.force_{axis}")));
+            header.extend(AXES.map(|axis| format!("{name}.moment_{axis}")));
         }
         for name in &self.probes {
             header.extend(AXES.map(|axis| format!("{name}.displacement_{axis}")));
@@ -142,6 +143,7 @@ impl Columns {
         for name in &self.supports {
             let support = report.supports.get(name);
             row.extend(three(support.map(|result| result.force.as_slice())));
+            row.extend(three(support.map(|result| result.moment.as_slice())));
         }
         for name in &self.probes {
             let probe = report.probes.get(name);

@@ -19,6 +19,7 @@ fn report() -> v1::StepReport {
     };
     let support = v1::SupportResult {
         force: vector.clone(),
+        moment: vec![0.1, 0.0, 0.0],
     };
     let probe = v1::ProbeResult {
         displacement: vector.clone(),

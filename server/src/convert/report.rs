@@ -265,6 +265,7 @@ fn obstacle(value: ObstacleResult) -> wire::ObstacleResult {
 fn support(value: SupportResult) -> wire::SupportResult {
     wire::SupportResult {
         force: value.force.to_vec(),
+        moment: value.moment.to_vec(),
     }
 }
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::Value;
 use signorini_proto::v1;
 
-use super::lines::{Iteration, Lines, Obstacle, Step, Warning};
+use super::lines::{Iteration, Lines, Obstacle, Step, Support, Warning};
 use super::surface::Picture;
 use crate::report::table::{self, cause};
 use crate::report::travel::Travels;
@@ -58,7 +58,7 @@ struct Row {
     error: Option<f64>,
     seconds: f64,
     obstacles: BTreeMap<String, Pressed>,
-    supports: BTreeMap<String, Vec<f64>>,
+    supports: BTreeMap<String, Reaction>,
     probes: BTreeMap<String, (Vec<f64>, Option<f64>)>,
 }
 
@@ -75,6 +75,13 @@ struct Pressed {
     area: f64,
     pressure: f64,
     centre: Vec<f64>,
+}
+
+/// What a support does to the body in one increment.
+#[derive(Debug, Serialize)]
+struct Reaction {
+    force: Vec<f64>,
+    moment: Vec<f64>,
 }
 
 /// A point of the residual: iterations of the run so far, the residual, the increment.
@@ -146,13 +153,20 @@ fn row(step: &Step, travels: &Travels) -> Row {
         supports: step
             .supports
             .iter()
-            .map(|(name, support)| (name.clone(), support.force.clone()))
+            .map(|(name, support)| (name.clone(), reaction(support)))
             .collect(),
         probes: step
             .probes
             .iter()
             .map(|(name, probe)| (name.clone(), (probe.displacement.clone(), probe.pressure)))
             .collect(),
+    }
+}
+
+fn reaction(support: &Support) -> Reaction {
+    Reaction {
+        force: support.force.clone(),
+        moment: support.moment.clone(),
     }
 }
 

@@ -82,6 +82,8 @@ pub(super) struct Obstacle {
 pub(super) struct Support {
     #[serde(deserialize_with = "numbers")]
     pub(super) force: Vec<f64>,
+    #[serde(deserialize_with = "numbers")]
+    pub(super) moment: Vec<f64>,
 }
 
 /// Values at a probe.

@@ -106,7 +106,7 @@ function reactionCharts(steps, last) {
   const charts = Object.keys(last.supports).map((name) => chart({
     title: name, note: "size of the support's force", x: "time (steps)", y: named("force", unit("force")),
     points: steps.filter((row) => row.supports[name]).map((row) => ({
-      x: row.time, y: size(row.supports[name]), name: `step ${row.step}.${row.increment}` })),
+      x: row.time, y: size(row.supports[name].force), name: `step ${row.step}.${row.increment}` })),
   }));
   return charts.length && steps.length > 1 ? [el("h2", {}, "Force"), el("div", { class: "charts" }, charts)] : [];
 }
@@ -165,8 +165,10 @@ function increments(data) {
 }
 
 function reactions(last) {
-  const rows = Object.entries(last.supports).map(([name, force]) => el("tr", {}, el("th", {}, name), el("td", {}, vector(force))));
-  return rows.length ? [el("h2", {}, "Reactions of the supports"), el("table", { class: "words" }, el("tbody", {}, rows))] : [];
+  const head = el("thead", {}, el("tr", {}, ["", named("force", unit("force")), "moment"].map((text) => el("th", {}, text))));
+  const rows = Object.entries(last.supports).map(([name, { force, moment }]) =>
+    el("tr", {}, el("th", {}, name), el("td", {}, vector(force)), el("td", {}, vector(moment))));
+  return rows.length ? [el("h2", {}, "Reactions of the supports"), el("table", { class: "words" }, head, el("tbody", {}, rows))] : [];
 }
 
 function ran(data, last) {

@@ -88,8 +88,10 @@ pub(super) fn loads(lines: &mut Lines, report: &v1::StepReport, travels: &Travel
     let supports = report.supports.iter();
     lines.add_each(
         "support",
-        supports
-            .map(|(name, support)| (name.as_str(), format!("force {}", vector(&support.force)))),
+        supports.map(|(name, support)| {
+            let (force, moment) = (vector(&support.force), vector(&support.moment));
+            (name.as_str(), format!("force {force}, moment {moment}"))
+        }),
     );
     let probes = report.probes.iter();
     lines.add_each(

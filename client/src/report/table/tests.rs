@@ -186,6 +186,7 @@ fn an_obstacle_that_never_touches_is_told_and_one_that_does_later_is_not_doubted
 fn supports_that_move_have_a_column_where_there_is_no_obstacle() {
     let support = v1::SupportResult {
         force: vec![3.0, 4.0, 0.0],
+        ..Default::default()
     };
     let report = v1::StepReport {
         obstacles: BTreeMap::new(),
