@@ -192,7 +192,7 @@ fn every_key_of_the_contract_reaches_the_message() {
     let text = include_str!("every_key.toml");
     let scene = parse(text, &[]).unwrap().scene;
     assert_eq!(scene.kind(), v1::SceneKind::Solid);
-    assert_eq!(scene.materials.len(), 6);
+    assert_eq!(scene.materials.len(), 9);
     assert!(
         scene
             .materials

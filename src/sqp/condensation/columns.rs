@@ -19,7 +19,7 @@ constants! {
     const AT_ONCE: usize = 4;
     /// Fewer columns are not worth a second thread.
     const FEW: usize = 128;
-    /// No place.
+    /// Place of what has none.
     const NOWHERE: u32 = u32::MAX;
 }
 

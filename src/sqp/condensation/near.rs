@@ -7,7 +7,7 @@
 use super::columns::Columns;
 
 constants! {
-    /// No place.
+    /// Place of what has none.
     const NOWHERE: u32 = u32::MAX;
 }
 
