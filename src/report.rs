@@ -159,8 +159,8 @@ pub struct ObstacleResult {
 pub struct SupportResult {
     /// Force that the support exerts on the body `[3]`.
     pub force: [f64; 3],
-    /// Its moment about the point that the support turns about, the origin unless a step has
-    /// given one `[3]`; zero about an axis of revolution.
+    /// Its moment on the deformed body about the point `about` that steps have given last, fixed
+    /// in space, the origin where none has `[3]`; zero about an axis of revolution and of flows.
     pub moment: [f64; 3],
 }
 

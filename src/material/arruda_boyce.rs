@@ -1,4 +1,4 @@
-//! Arruda and Boyce's law of eight chains in a cube, by five terms of its series:
+//! The eight-chain model of Arruda and Boyce, by five terms of its series:
 //!
 //! ```text
 //! W = mu sum_i a_i / l^(2 i - 2) (i1^i - 3^i),   a = 1/2, 1/20, 11/1050, 19/7000, 519/673750
@@ -25,7 +25,7 @@ const SERIES: [f64; 5] = [
 pub struct ArrudaBoyce {
     /// mu, stress, above zero.
     pub modulus: f64,
-    /// l, the stretch at which chains are straight, above one.
+    /// l, the locking stretch of the full model, above one; the series is finite there.
     pub locking_stretch: f64,
 }
 

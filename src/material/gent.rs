@@ -1,9 +1,8 @@
-//! Gent's law of chains that come to an end: W = -mu J_m / 2 ln(1 - (i1 - 3) / J_m) (Gent, A new
+//! Gent's law of limited chain extensibility: W = -mu J_m / 2 ln(1 - (i1 - 3) / J_m) (Gent, A new
 //! constitutive relation for rubber, 1996).
 //!
 //! From [`LAST`] of the limit on the slope goes on along its tangent, so that steps of the solver
-//! which lead too far still have an energy that calls them back: stresses there are 500 mu and
-//! more.
+//! which lead too far still have an energy that calls them back: dW/di1 is 500 mu there.
 
 use super::energy::{Derivatives, Energy};
 
@@ -15,7 +14,7 @@ const LAST: f64 = 0.999;
 pub struct Gent {
     /// mu at rest, stress, above zero.
     pub shear_modulus: f64,
-    /// J_m, what i1 - 3 cannot reach, above zero.
+    /// J_m, the limit of i1 - 3, above zero.
     pub limit: f64,
 }
 

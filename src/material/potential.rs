@@ -27,7 +27,7 @@ pub enum Potential {
     Polynomial(Polynomial),
     /// Limited first invariant.
     Gent(Gent),
-    /// Eight chains of limited length.
+    /// The eight-chain model.
     ArrudaBoyce(ArrudaBoyce),
 }
 

@@ -6,7 +6,8 @@
 //!
 //! over the nodes that a support holds; f = internal force plus contact less load in held rows,
 //! of the Lagrange functions, and c the point about which the support turns (`about`), the origin
-//! unless a step has given one. About an axis of revolution moments of a full turn are zero.
+//! where no step has given one. About an axis of revolution moments of a full turn are zero; of
+//! flows, whose u is a velocity, they are left at zero, too.
 //! Cost: one visit a held node, one probe a point of guides.
 
 use std::collections::BTreeMap;
@@ -95,16 +96,18 @@ pub(super) fn reactions(
     sums.add_nodal(&model.prepared.space.node_forces(&reaction));
     let touching = Touching::of(model, state);
     let supports = &model.plan.problem.resolved.supports;
-    let (units, is_turned) = (&model.plan.problem.units, model.plan.is_axisymmetric());
+    let units = &model.plan.problem.units;
+    let has_moments = !model.plan.is_axisymmetric() && !model.plan.problem.resolved.is_flow();
     let pairs = sums.results.iter().zip(&sums.about);
     let of_support = |(own, about): (&SupportResult, &[f64; 3]), name: &str| {
         let [force, moment] = touching.guided(name, *about);
         SupportResult {
             force: scale(units.force(), add(own.force, force)),
-            moment: scale(
-                if is_turned { 0.0 } else { units.energy() },
-                add(own.moment, moment),
-            ),
+            moment: if has_moments {
+                scale(units.energy(), add(own.moment, moment))
+            } else {
+                [0.0; 3]
+            },
         }
     };
     supports

@@ -66,14 +66,14 @@ pub enum RubberModel {
     Gent {
         /// μ, stress.
         shear_modulus: f64,
-        /// J_m, what i1 − 3 cannot reach.
+        /// J_m, the limit of i1 − 3, at least 1e-3.
         limit: f64,
     },
-    /// Arruda-Boyce: five terms of the law of eight chains.
+    /// Arruda-Boyce: five terms of the eight-chain model.
     ArrudaBoyce {
         /// μ of the series, stress.
         mu: f64,
-        /// Stretch at which chains are straight, above one.
+        /// Locking stretch of the full model, above one.
         locking_stretch: f64,
     },
 }

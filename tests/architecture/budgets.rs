@@ -33,7 +33,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("report", 791, 3),
     ("results", 2396, 22),
     ("saddle", 1153, 5),
-    ("scene", 3596, 20),
+    ("scene", 3596, 21),
     ("session", 1825, 9),
     ("space", 190, 0),
     ("sqp", 6467, 77),

@@ -125,8 +125,8 @@ fn coefficients_are_finite() {
 #[test]
 fn chains_have_a_length() {
     let path = "material.body.limit";
-    for limit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert_refused(&gent(1.0, limit), path, "above zero");
+    for limit in [0.0, -1.0, 1e-4, f64::NAN, f64::INFINITY] {
+        assert_refused(&gent(1.0, limit), path, "at least 0.001");
     }
     let path = "material.body.locking_stretch";
     for stretch in [1.0, 0.0, -2.0, f64::NAN, f64::INFINITY] {

@@ -151,7 +151,7 @@ class Polynomial(Part):
 
 @dataclass(kw_only=True)
 class Gent(Part):
-    """Rubber whose chains come to an end: i1 - 3 stays below `limit`."""
+    """Rubber of limited chain extensibility; `limit` is J_m, the limit of i1 - 3."""
 
     constant = {"model": "gent"}
     shear_modulus: float
@@ -162,7 +162,7 @@ class Gent(Part):
 
 @dataclass(kw_only=True)
 class ArrudaBoyce(Part):
-    """Rubber by five terms of the law of eight chains, straight at `locking_stretch`."""
+    """Rubber by five terms of the eight-chain model."""
 
     constant = {"model": "arruda-boyce"}
     mu: float

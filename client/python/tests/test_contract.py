@@ -19,6 +19,9 @@ CLASSES = [
     (s.NeoHookean, scene_pb2.NeoHookean, {"formulation"}, set()),
     (s.Yeoh, scene_pb2.Yeoh, {"formulation"}, set()),
     (s.Ogden, scene_pb2.Ogden, {"formulation"}, set()),
+    (s.Polynomial, scene_pb2.Polynomial, {"formulation"}, set()),
+    (s.Gent, scene_pb2.Gent, {"formulation"}, set()),
+    (s.ArrudaBoyce, scene_pb2.ArrudaBoyce, {"formulation"}, set()),
     (s.HalfSpace, scene_pb2.HalfSpace, {"inside"}, set()),
     (s.Sphere, scene_pb2.Sphere, {"inside"}, set()),
     (s.Cylinder, scene_pb2.Cylinder, {"inside"}, set()),
@@ -73,7 +76,7 @@ def scene() -> dict[str, Any]:
     del step["support"]["n"]["displacement"]
     linear = filled(s.LinearElastic)
     del linear["young_modulus"]
-    materials = [s.Stokes, s.MooneyRivlin, s.NeoHookean, s.Yeoh, s.Ogden]
+    materials = [s.Stokes, s.MooneyRivlin, s.NeoHookean, s.Yeoh, s.Ogden, s.Polynomial, s.Gent, s.ArrudaBoyce]
     shapes = [s.HalfSpace, s.Sphere, s.Cylinder, s.CappedCylinder, s.Box, s.Torus, s.Cone]
     shapes += [s.Surface, s.HeightField, s.DistanceGrid]
     obstacle = {"name": "n", "on": ["a"], "friction": 0.3, "tresca": 0.1, "surface": "smooth"}
@@ -99,7 +102,7 @@ def test_every_key_of_the_classes_is_read_by_the_program() -> None:
     tables = scene()
     text = _encode.tomli_w.dumps(tables).encode()
     message = scene_pb2.Scene.FromString(_program.read_scene(text, Path("scene"), ['mesh="a.msh"']))
-    assert len(message.materials) == 6
+    assert len(message.materials) == 9
     assert len(message.obstacles) == 10
     assert list(message.output.fields) == [one.number for one in scene_pb2.FieldName.DESCRIPTOR.values if one.number]
     assert message.steps[0] == _encode.load_step(tables["step"][0])

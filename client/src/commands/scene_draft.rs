@@ -217,7 +217,7 @@ fn material(group: &str) -> String {
     };
     format!(
         "[material.{key}]\n\
-         model = \"neo-hookean\"  # or mooney-rivlin, yeoh, ogden, linear-elastic\n\
+         model = \"neo-hookean\"  # or mooney-rivlin, yeoh, polynomial, gent, arruda-boyce, ogden, linear-elastic\n\
          shear_modulus = 1.0\n\
          # bulk_modulus = 1000.0  # left out: the volume cannot change\n"
     )

@@ -15,6 +15,8 @@ use crate::scene::{
 
 /// Terms of Ogden's law.
 const MOST_TERMS: usize = 3;
+/// Least limit of Gent's law: a strain of 1e-3 in i1 - 3 is one of 2 % in stretch.
+const LEAST_LIMIT: f64 = 1e-3;
 /// Degrees of the volume rule that stress is integrated with.
 const DEGREES: std::ops::RangeInclusive<u32> = 2..=12;
 
@@ -183,7 +185,10 @@ fn polynomial(coefficients: [f64; 9], path: &str, faults: &mut Faults) -> Isocho
 
 fn gent(shear_modulus: f64, limit: f64, path: &str, faults: &mut Faults) -> Isochoric {
     faults.above_zero(&format!("{path}.shear_modulus"), shear_modulus);
-    faults.above_zero(&format!("{path}.limit"), limit);
+    if !(limit >= LEAST_LIMIT && limit.is_finite()) {
+        let message = format!("must be at least {LEAST_LIMIT} and finite, not {limit}");
+        faults.add(format!("{path}.limit"), message);
+    }
     Isochoric::Potential(Potential::Gent(Gent {
         shear_modulus,
         limit,

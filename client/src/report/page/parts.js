@@ -165,7 +165,7 @@ function increments(data) {
 }
 
 function reactions(last) {
-  const head = el("thead", {}, el("tr", {}, ["", named("force", unit("force")), "moment"].map((text) => el("th", {}, text))));
+  const head = el("thead", {}, el("tr", {}, ["", named("force", unit("force")), named("moment", unit("force") && unit("length") && `${unit("force")} ${unit("length")}`)].map((text) => el("th", {}, text))));
   const rows = Object.entries(last.supports).map(([name, { force, moment }]) =>
     el("tr", {}, el("th", {}, name), el("td", {}, vector(force)), el("td", {}, vector(moment))));
   return rows.length ? [el("h2", {}, "Reactions of the supports"), el("table", { class: "words" }, head, el("tbody", {}, rows))] : [];
