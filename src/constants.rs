@@ -1,7 +1,7 @@
 //! Numeric constants of the solver's decisions, as they are compiled: name, value, meaning.
 //!
 //! The macro `constants` declares those of a file and lists them; the rooms that search and decide
-//! hold all their numbers in it, so that a plan can print what is in force.
+//! hold their single numbers and arrays of numbers in it, so that a plan can print what is in force.
 
 /// A numeric constant of the solver.
 #[derive(Clone, Debug, PartialEq, Eq)]

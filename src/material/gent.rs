@@ -6,7 +6,8 @@
 
 use super::energy::{Derivatives, Energy};
 
-/// Share of J_m from which on the slope is linear.
+/// Share of J_m, without unit, from which on the slope is linear: dW/di1 is 500 mu there; chosen, no
+/// scene measures it.
 const LAST: f64 = 0.999;
 
 /// The law.

@@ -308,7 +308,7 @@ pub(crate) struct PlanArguments {
     /// One JSON object
     #[arg(long)]
     pub(crate) json: bool,
-    /// The numbers, too, that the solver's decisions compare with
+    /// The numbers, too, of the search for equilibrium, its stability and causes, and of force control
     #[arg(long)]
     pub(crate) constants: bool,
 }

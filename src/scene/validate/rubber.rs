@@ -15,7 +15,8 @@ use crate::scene::{
 
 /// Terms of Ogden's law.
 const MOST_TERMS: usize = 3;
-/// Least limit of Gent's law: a strain of 1e-3 in i1 - 3 is one of 2 % in stretch.
+/// Least limit of Gent's law, without unit: i1 - 3 is 1e-3 at a stretch of 2 %; chosen, no scene
+/// measures it.
 const LEAST_LIMIT: f64 = 1e-3;
 /// Degrees of the volume rule that stress is integrated with.
 const DEGREES: std::ops::RangeInclusive<u32> = 2..=12;
