@@ -10,6 +10,7 @@ mod ogden;
 mod polynomial;
 mod potential;
 mod rubber;
+pub(crate) mod stability;
 mod stokes;
 
 pub use arruda_boyce::ArrudaBoyce;

@@ -5,6 +5,7 @@
 //! | flat cells | the least mean ratio of a cell |
 //! | contrast | the stiffest over the softest shear modulus |
 //! | nearly incompressible | the first Lame parameter over the shear modulus |
+//! | unstable law | where the energy of a rubber is convex no more |
 //! | far away | the largest coordinate over the length of the body |
 //! | tool below the mesh | the radius of an obstacle beside the edges that may touch it |
 //! | edges below the mesh | the radius of an obstacle's edges or tip beside the same |
@@ -19,9 +20,10 @@ use super::Units;
 use super::overlap::overlap;
 use super::problem::Problem;
 use super::units::ScaledMesh;
+use crate::material::stability::unstable;
 use crate::mesh::Mesh;
-use crate::scene::validate::{Resolved, ResolvedObstacle};
-use crate::scene::{Obstacle, Scene, Shape, Step};
+use crate::scene::validate::{Resolved, ResolvedMaterial, ResolvedObstacle};
+use crate::scene::{Material, Obstacle, Scene, Shape, Step};
 
 /// Mean ratio below which a cell is flat: sides of about 1 : 12 in the plane, 1 : 20 in space.
 const FLAT: f64 = 0.15;
@@ -54,6 +56,7 @@ pub(super) fn doubts(problem: &Problem, steps: &[Step], mesh: &Mesh) -> Vec<Stri
     all.extend(far_away(mesh, units));
     all.extend(contrast(scene, resolved));
     all.extend(nearly_incompressible(scene, resolved));
+    all.extend(unstable_laws(scene, resolved));
     let sharp = |one| below_the_mesh(one, body).or_else(|| edges(one, body));
     all.extend(obstacles.iter().filter_map(sharp));
     let inside = |one| begins_inside(one, body);
@@ -158,6 +161,27 @@ fn nearly_incompressible(scene: &Scene, resolved: &Resolved) -> Option<String> {
         "material `{}` resists a change of volume {ratio:.0e} times as much as one of shape: unless it is closed in on all sides, {cure} costs less and differs by as little",
         material.group
     ))
+}
+
+/// Laws of rubber that soften somewhere, of materials that are given as rubber.
+fn unstable_laws(scene: &Scene, resolved: &Resolved) -> Vec<String> {
+    let materials = scene.materials.iter().zip(&resolved.materials);
+    let rubbers = materials.filter(|(material, _)| material.model.is_rubber());
+    let doubt = |(material, resolved): (&Material, &ResolvedMaterial)| {
+        let found = unstable(&resolved.rubber.as_ref()?.isochoric);
+        let ways = found
+            .iter()
+            .map(|one| format!("in {} beyond a stretch of {:.2}", one.way, one.stretch));
+        let ways: Vec<String> = ways.collect();
+        (!ways.is_empty()).then(|| {
+            format!(
+                "the law of material `{}` is unstable {}: bodies that reach that soften and may have no equilibrium",
+                material.group,
+                ways.join(", ")
+            )
+        })
+    };
+    rubbers.filter_map(doubt).collect()
 }
 
 /// A round obstacle that fits between the vertices of the mesh.
