@@ -1,6 +1,6 @@
 //! Contact of nearly incompressible bodies with rigid obstacles.
 //!
-//! Solves, on tetrahedra or triangles (plane strain),
+//! Solves, on tetrahedra or triangles (plane strain, plane stress, axisymmetric),
 //!
 //! ```text
 //! -div(2 mu eps(u) - p I) = f      in the body

@@ -55,6 +55,18 @@ impl LinearElastic {
         Self::from_shear_modulus(0.5 * young_modulus / (1.0 + poisson_ratio), poisson_ratio)
     }
 
+    /// The material of plane strain whose plane stresses are those of a sheet of this one:
+    /// lambda' = 2 lambda mu / (lambda + 2 mu), nu' = nu / (1 + nu).
+    pub fn of_a_sheet(self) -> Self {
+        let ratio = self.poisson_ratio();
+        Self::from_shear_modulus(self.shear_modulus, ratio / (1.0 + ratio))
+    }
+
+    /// eps_zz over eps_xx + eps_yy in a sheet, of its [`Self::of_a_sheet`].
+    pub fn thinning(&self) -> f64 {
+        -0.5 * self.lame() / self.shear_modulus
+    }
+
     /// lambda; zero at a Poisson ratio of zero, infinite at one half.
     pub fn lame(&self) -> f64 {
         self.direct_lame + 1.0 / self.inverse_lame
@@ -114,6 +126,19 @@ mod tests {
             0.0
         );
         assert_eq!(LinearElastic::from_shear_modulus(1.0, 0.0).lame(), 0.0);
+    }
+
+    #[test]
+    fn a_stretched_sheet_has_youngs_modulus_and_thins_by_poissons_ratio() {
+        for ratio in [-0.4, 0.0, 0.3, 0.5] {
+            let sheet = LinearElastic::from_young_modulus(2.6, ratio).of_a_sheet();
+            let stretch = [[0.01, 0.0, 0.0], [0.0, -0.01 * ratio, 0.0], [0.0; 3]];
+            let stress = sheet.stress(&stretch, sheet.pressure(0.01 * (1.0 - ratio)));
+            assert!((stress[0][0] - 0.026).abs() < 1e-15, "{ratio} {stress:?}");
+            assert!(stress[1][1].abs() < 1e-15, "{ratio} {stress:?}");
+            let across = sheet.thinning() * 0.01 * (1.0 - ratio);
+            assert!((across + 0.01 * ratio).abs() < 1e-15, "{ratio} {across}");
+        }
     }
 
     #[test]

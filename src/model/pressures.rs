@@ -25,7 +25,7 @@ fn pressed<'a>(model: &Model<'a>, displacement: &'a [f64]) -> PressedBody<'a> {
         space: &model.prepared.space,
         measure: match model.plan.problem.resolved.kind {
             SceneKind::Solid => SurfaceMeasure::Solid,
-            SceneKind::PlaneStrain => SurfaceMeasure::Plane,
+            SceneKind::PlaneStrain | SceneKind::PlaneStress => SurfaceMeasure::Plane,
             SceneKind::Axisymmetric => SurfaceMeasure::Axisymmetric,
         },
         displacement,

@@ -34,7 +34,7 @@ pub struct LeftOut {
 pub struct PlanReport {
     /// Name of the scene, for people.
     pub name: String,
-    /// Geometry of the scene: `solid`, `plane-strain` or `axisymmetric`.
+    /// Geometry of the scene: `solid`, `plane-strain`, `plane-stress` or `axisymmetric`.
     pub kind: &'static str,
     /// Number of unknowns by kind.
     pub unknowns: Unknowns,

@@ -43,7 +43,7 @@ impl Units {
             dimension: mesh.cell_kind().dimension(),
             extents: match resolved.kind {
                 SceneKind::Solid | SceneKind::Axisymmetric => 3,
-                SceneKind::PlaneStrain => 2,
+                SceneKind::PlaneStrain | SceneKind::PlaneStress => 2,
             },
         }
     }

@@ -5,6 +5,7 @@
 //! what the field lives on.
 
 use crate::linalg::vector::norm;
+use crate::material::LinearElastic;
 use crate::model::Model;
 use crate::model::state::State;
 use crate::model::values::gradient_at;
@@ -14,6 +15,7 @@ use crate::results::finite_strain;
 use crate::results::friction::{friction_traction, slip};
 use crate::results::nodal_force::nodal_force;
 use crate::results::touching::Touching;
+use crate::scene::SceneKind;
 
 /// The field `name`; none if the scene has no such field. `mode` is the softest motion
 /// `[displacement]`, where one is known.
@@ -165,16 +167,29 @@ fn jacobian(model: &Model<'_>, state: &State, cell: usize) -> f64 {
     if model.plan.problem.resolved.is_rubber() {
         return finite_strain::volume_ratio(model, state, cell);
     }
+    1.0 + dilation(model, state, cell)
+}
+
+/// div u at the middle of a cell of a linear body; with the strain across a sheet.
+pub(crate) fn dilation(model: &Model<'_>, state: &State, cell: usize) -> f64 {
     let gradient = gradient_at(model, state, cell, &centre(model));
-    1.0 + gradient[0][0] + gradient[1][1] + gradient[2][2]
+    let inside = gradient[0][0] + gradient[1][1];
+    if model.plan.problem.resolved.kind == SceneKind::PlaneStress {
+        inside * (1.0 + law_of(model, cell).thinning())
+    } else {
+        inside + gradient[2][2]
+    }
+}
+
+fn law_of(model: &Model<'_>, cell: usize) -> LinearElastic {
+    let resolved = &model.plan.problem.resolved;
+    resolved.materials[usize::from(resolved.cell_material[cell])].law
 }
 
 /// Mean stress of a cell: xx yy zz xy yz zx.
 fn stress(model: &Model<'_>, state: &State, cell: usize) -> [f64; 6] {
     let gradient = gradient_at(model, state, cell, &centre(model));
-    let law = model.plan.problem.resolved.materials
-        [usize::from(model.plan.problem.resolved.cell_material[cell])]
-    .law;
+    let law = law_of(model, cell);
     let pressure = if state.pressure.is_empty() {
         law.pressure(gradient[0][0] + gradient[1][1] + gradient[2][2])
     } else {
@@ -182,9 +197,12 @@ fn stress(model: &Model<'_>, state: &State, cell: usize) -> [f64; 6] {
         let sum: f64 = corners.iter().map(|&v| state.pressure[v as usize]).sum();
         sum / corners.len() as f64 * model.plan.problem.units.stress
     };
-    let s = match finite_strain::rubber(model, cell) {
+    let mut s = match finite_strain::rubber(model, cell) {
         Some(rubber) => finite_strain::true_stress(rubber, &gradient, pressure, state.penalty),
         None => law.stress(&gradient, pressure),
     };
+    if model.plan.problem.resolved.kind == SceneKind::PlaneStress {
+        s[2][2] = 0.0;
+    }
     [s[0][0], s[1][1], s[2][2], s[0][1], s[1][2], s[2][0]]
 }

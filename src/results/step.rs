@@ -23,13 +23,14 @@ use crate::model::values::displacement_at;
 use crate::report::{ObstacleResult, ProbeResult, StepReport, Termination};
 use crate::results::errors::manufactured_errors;
 use crate::results::estimate::{estimate, force_error};
-use crate::results::fields::pressure_share;
+use crate::results::fields::{dilation, pressure_share};
 use crate::results::finite_strain::{jacobian_bound, undeformed_pressure};
 use crate::results::friction::add_friction;
 use crate::results::geometry_error::geometry_error;
 use crate::results::reactions::reactions;
 use crate::results::touch::{Touch, pressed_facets};
 use crate::results::touching::Touching;
+use crate::scene::SceneKind;
 
 /// The report, without what only the session knows.
 pub(crate) fn report(
@@ -107,7 +108,13 @@ fn reported_estimate(model: &Model<'_>, state: &State, ending: &Ending) -> Optio
 
 /// Deformed over undeformed volume.
 fn volume_ratio(model: &Model<'_>, state: &State, inside: &Internal, work: &mut Workspace) -> f64 {
-    let volume: f64 = model.prepared.geometry.volumes.iter().sum();
+    let volumes = &model.prepared.geometry.volumes;
+    let volume: f64 = volumes.iter().sum();
+    if model.plan.problem.resolved.kind == SceneKind::PlaneStress {
+        let cells = volumes.iter().enumerate();
+        let changes = cells.map(|(cell, volume)| volume * dilation(model, state, cell));
+        return 1.0 + changes.sum::<f64>() / volume;
+    }
     let change = match inside.response {
         Some(response) => response.volume_change,
         None => {

@@ -31,6 +31,9 @@ pub use values::{ValuePlace, Values};
 pub enum SceneKind {
     /// A body in space, meshed by tetrahedra.
     Solid,
+    /// Triangles in the plane z = 0 that nothing holds across it, per unit thickness: a sheet of
+    /// linear elasticity, sigma_zz = 0.
+    PlaneStress,
     /// Triangles in the plane z = 0, per unit thickness.
     PlaneStrain,
     /// Triangles in the half plane x >= 0, turned about the axis x = 0: x is the
@@ -44,6 +47,7 @@ impl SceneKind {
         match self {
             Self::Solid => "solid",
             Self::PlaneStrain => "plane-strain",
+            Self::PlaneStress => "plane-stress",
             Self::Axisymmetric => "axisymmetric",
         }
     }

@@ -43,7 +43,7 @@ impl Faces<'_, '_> {
         };
         let turn = match self.model.plan.problem.resolved.kind {
             SceneKind::Axisymmetric => TAU,
-            SceneKind::Solid | SceneKind::PlaneStrain => 0.0,
+            SceneKind::Solid | SceneKind::PlaneStrain | SceneKind::PlaneStress => 0.0,
         };
         let way = if turn > 0.0 { turn * radius } else { 1.0 };
         let vector = cross(first, second);

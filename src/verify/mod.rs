@@ -103,7 +103,7 @@ fn shapes(l: &[f64], g: &[[f64; 3]], pairs: &[(usize, usize)]) -> (Vec<f64>, Vec
 fn turn(model: &Model<'_>, radius: f64) -> f64 {
     match model.plan.problem.resolved.kind {
         SceneKind::Axisymmetric => TAU * radius,
-        SceneKind::Solid | SceneKind::PlaneStrain => 1.0,
+        SceneKind::Solid | SceneKind::PlaneStrain | SceneKind::PlaneStress => 1.0,
     }
 }
 

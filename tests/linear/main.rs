@@ -20,6 +20,7 @@ mod nodal_force;
 mod normal_supports;
 mod patch;
 mod plan_doubts;
+mod plane_stress;
 mod references;
 mod soft_volumes;
 mod steps;

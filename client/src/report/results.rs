@@ -298,9 +298,10 @@ fn stretches(scene: &v1::Scene) -> Option<OutOfPlane> {
     };
     let out = match scene.kind() {
         v1::SceneKind::Axisymmetric => OutOfPlane::Hoop,
-        v1::SceneKind::Unspecified | v1::SceneKind::Solid | v1::SceneKind::PlaneStrain => {
-            OutOfPlane::Nothing
-        }
+        v1::SceneKind::Unspecified
+        | v1::SceneKind::Solid
+        | v1::SceneKind::PlaneStrain
+        | v1::SceneKind::PlaneStress => OutOfPlane::Nothing,
     };
     scene.materials.iter().any(is_rubber).then_some(out)
 }

@@ -56,6 +56,7 @@ const SCENE: &[&str] = &[
 const KINDS: &[(&str, v1::SceneKind)] = &[
     ("solid", v1::SceneKind::Solid),
     ("plane-strain", v1::SceneKind::PlaneStrain),
+    ("plane-stress", v1::SceneKind::PlaneStress),
     ("axisymmetric", v1::SceneKind::Axisymmetric),
 ];
 

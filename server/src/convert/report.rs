@@ -125,6 +125,7 @@ fn scene_kind(name: &str) -> wire::SceneKind {
     match name {
         "solid" => wire::SceneKind::Solid,
         "plane-strain" => wire::SceneKind::PlaneStrain,
+        "plane-stress" => wire::SceneKind::PlaneStress,
         "axisymmetric" => wire::SceneKind::Axisymmetric,
         _ => wire::SceneKind::Unspecified,
     }

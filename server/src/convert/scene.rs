@@ -159,6 +159,7 @@ fn kind(number: i32, faults: &mut Faults) -> Option<SceneKind> {
         Ok(wire::SceneKind::Unspecified) => None,
         Ok(wire::SceneKind::Solid) => Some(SceneKind::Solid),
         Ok(wire::SceneKind::PlaneStrain) => Some(SceneKind::PlaneStrain),
+        Ok(wire::SceneKind::PlaneStress) => Some(SceneKind::PlaneStress),
         Ok(wire::SceneKind::Axisymmetric) => Some(SceneKind::Axisymmetric),
         Err(_) => {
             faults.later("kind", format!("kind number {number} is not known here"));

@@ -81,7 +81,7 @@ fn assign(index: u16, members: &[u32], of_cell: &mut [u16]) -> Option<u32> {
 }
 
 fn law(model: &MaterialModel, path: &str, faults: &mut Faults) -> ResolvedMaterial {
-    let resolved = match model {
+    match model {
         MaterialModel::LinearElastic {
             modulus,
             poisson_ratio,
@@ -104,13 +104,22 @@ fn law(model: &MaterialModel, path: &str, faults: &mut Faults) -> ResolvedMateri
             bulk_modulus,
             ..
         } => rubber::resolve(model, *bulk_modulus, path, faults),
-    };
-    if formulation(model) == Formulation::Displacement
-        && let Some(message) = only_mixed(&resolved)
-    {
-        faults.add(format!("{path}.formulation"), message);
     }
-    resolved
+}
+
+/// Refuses the displacement form of what has none.
+pub(crate) fn check_formulations(
+    scene: &Scene,
+    materials: &[ResolvedMaterial],
+    faults: &mut Faults,
+) {
+    for (material, resolved) in scene.materials.iter().zip(materials) {
+        if formulation(&material.model) == Formulation::Displacement
+            && let Some(message) = only_mixed(resolved)
+        {
+            faults.add(format!("material.{}.formulation", material.group), message);
+        }
+    }
 }
 
 /// Why a material has no displacement form.
@@ -154,6 +163,27 @@ fn linear_elastic(
         poisson_ratio,
         is_flow: false,
         rubber: None,
+    }
+}
+
+/// Turns materials into those of plane strain that a sheet of them is like.
+pub(crate) fn flatten(scene: &Scene, materials: &mut [ResolvedMaterial], faults: &mut Faults) {
+    if scene.manufactured.is_some() {
+        faults.add("manufactured.field", "is one of plane strain");
+    }
+    for (material, resolved) in scene.materials.iter().zip(materials) {
+        let path = format!("material.{}", material.group);
+        if !matches!(material.model, MaterialModel::LinearElastic { .. }) {
+            let message = "`plane-stress` is served for linear elasticity; give `plane-strain`";
+            faults.unsupported(format!("{path}.model"), message);
+            continue;
+        }
+        if formulation(&material.model) == Formulation::Mixed {
+            let message = "a sheet has no pressure of its own: leave the formulation out";
+            faults.add(format!("{path}.formulation"), message);
+        }
+        resolved.law = resolved.law.of_a_sheet();
+        resolved.poisson_ratio = resolved.law.poisson_ratio();
     }
 }
 

@@ -121,6 +121,10 @@ pub(crate) fn resolve<'a>(
     }
     let (mut materials, cell_material) = materials::resolve(scene, mesh, &mut faults);
     let mixed = materials::mixed(scene, &mut materials, &mut faults);
+    if kind == SceneKind::PlaneStress {
+        materials::flatten(scene, &mut materials, &mut faults);
+    }
+    materials::check_formulations(scene, &materials, &mut faults);
     materials::check_flow(scene, &materials, &mut faults);
     let supports = surfaces::supports(scene, mesh, &mut faults);
     let supports = profiles::resolve(supports, (steps, mesh), &mut faults);
@@ -167,7 +171,11 @@ pub(crate) const ON_AXIS: f64 = 1e-9;
 
 fn kind(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> SceneKind {
     let fitting: &[SceneKind] = match mesh.cell_kind() {
-        CellKind::Triangle => &[SceneKind::PlaneStrain, SceneKind::Axisymmetric],
+        CellKind::Triangle => &[
+            SceneKind::PlaneStrain,
+            SceneKind::PlaneStress,
+            SceneKind::Axisymmetric,
+        ],
         CellKind::Tetrahedron => &[SceneKind::Solid],
     };
     let asked = scene.kind.unwrap_or(fitting[0]);

@@ -42,7 +42,7 @@ pub(crate) fn check(
     parts.add_normals(supports, &mut guided);
     let names: &[&str] = match kind {
         SceneKind::Solid => &NAMES_3,
-        SceneKind::PlaneStrain | SceneKind::Axisymmetric => &NAMES_2,
+        SceneKind::PlaneStrain | SceneKind::PlaneStress | SceneKind::Axisymmetric => &NAMES_2,
     };
     if kind == SceneKind::Axisymmetric {
         moments.iter_mut().for_each(hold_by_hoops);
