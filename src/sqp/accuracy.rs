@@ -34,6 +34,9 @@ use crate::scene::ToleranceRule;
 constants! {
     /// Tolerance of the first round.
     const COARSE: f64 = 1e-3;
+    /// Forces at the start over those at hand from which on a solve is repeated: a body of one
+    /// stiffness has some tens. Beyond the second the body moves as a rigid one, without forces.
+    const LARGER: [f64; 2] = [300.0, 1e8];
     /// Algebraic over discretisation error, both in the energy norm.
     const SHARE: f64 = 0.1;
     /// A round lowers the tolerance at least by this factor.
@@ -46,9 +49,36 @@ constants! {
 /// Moves the state to equilibrium under `drive`, as accurately as the scene asks.
 pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     match run.model.plan.problem.settings.tolerance_rule {
-        ToleranceRule::Fixed => proximal_rest::solve(run, drive),
+        ToleranceRule::Fixed => by_forces(run, drive),
         ToleranceRule::Discretisation => by_discretisation(run, drive),
     }
+}
+
+/// Solves to the scene's tolerance of the forces at hand: a stiff part that its support moves begins
+/// with forces as much larger as it is stiffer, beside which those of the soft body are rounding. A
+/// solve from where the first one ends is measured by the forces there.
+fn by_forces(run: &mut Run<'_>, drive: &Drive) -> Ending {
+    let moves =
+        run.state.drive.supports != drive.supports || run.state.drive.motions != drive.motions;
+    let ending = proximal_rest::solve(run, drive);
+    if !moves || ending.termination != Termination::Converged || !is_measured_by_more(run, &ending)
+    {
+        return ending;
+    }
+    let kept = run.state.clone();
+    let again = proximal_rest::solve(run, drive);
+    if again.termination == Termination::Converged || again.is_stopped() {
+        return again;
+    }
+    *run.state = kept;
+    ending
+}
+
+/// Whether an increment was measured by forces far above those of the state.
+fn is_measured_by_more(run: &mut Run<'_>, ending: &Ending) -> bool {
+    let forces = run.evaluate().force_scale(0.0);
+    let ratio = ending.force_scale / forces;
+    (LARGER[0]..LARGER[1]).contains(&ratio)
 }
 
 /// Solves to a coarse bound first and lowers it until the algebraic error is small
