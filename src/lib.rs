@@ -102,7 +102,7 @@
 //! | estimate of the discretisation error by recovery | `estimate` | `results::estimate` |
 //! | factor of the body, Schur complement on contact | `FactoredBody`, `NearCompliance` | `sqp::factored_body`, `sqp::near_compliance` |
 //! | face of the feasible polyhedron | `Face` | `inequality::one_level` |
-//! | force control, prescribed forces on an obstacle | `Balance` | `force_control` |
+//! | force control, prescribed forces on an obstacle or a support | `Balance` | `force_control` |
 //! | forcing term of an inexact Newton method | `goal` | `sqp::increment` |
 //! | inertia, modified Newton step of an unstable body | `Turned` | `inequality::factorised::turned` |
 //! | friction, Coulomb, Tresca | `FrictionBound`, `Cones`; `Friction` for slip | `saddle::set::cones`, `model::friction` |
@@ -200,6 +200,7 @@
 #![doc = include_str!("decisions/0060-one-place-that-decides.md")]
 #![doc = include_str!("decisions/0061-loops-compiled-once.md")]
 #![doc = include_str!("decisions/0062-laws-by-point.md")]
+#![doc = include_str!("decisions/0063-loaded-supports.md")]
 
 #[macro_use]
 mod constants;

@@ -159,9 +159,16 @@ pub struct ObstacleResult {
 pub struct SupportResult {
     /// Force that the support exerts on the body `[3]`.
     pub force: [f64; 3],
-    /// Its moment on the deformed body about the point `about` that steps have given last, fixed
-    /// in space, the origin where none has `[3]`; zero about an axis of revolution and of flows.
+    /// Its moment on the deformed body about the reference point `[3]`; zero about an axis of
+    /// revolution and of flows.
     pub moment: [f64; 3],
+    /// Where the reference point is now `[3]`, length: `about`, the origin where nothing has given
+    /// one, moved by the translation.
+    pub reference_point: [f64; 3],
+    /// Translation of the support `[3]`, length: as steps lead it, or as its force asks for.
+    pub translation: [f64; 3],
+    /// Rotation vector about the reference point `[3]`, radians.
+    pub rotation: [f64; 3],
 }
 
 /// Values at one probe.

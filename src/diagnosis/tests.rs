@@ -98,6 +98,7 @@ fn is_closed(height: f64, status: Status) -> bool {
         displacement: [None; 3],
         profile: Profile::Constant,
         values: None,
+        load: Default::default(),
     }];
     found(&scene, 1.0, |model, state| {
         state.status.fill(status);

@@ -11,7 +11,7 @@
 use super::gap_changes::gap_changes;
 use crate::inequality::dense_cone;
 use crate::linalg::vector::{add_scaled, dot, norm};
-use crate::model::push::Control;
+use crate::model::push::{Control, Part};
 use crate::proximity::faces;
 use crate::saddle::Status;
 use crate::sqp::contact_metric::evenly;
@@ -77,31 +77,70 @@ fn slack(run: &mut Run<'_>, controls: &[Control], push: &[f64]) -> f64 {
     for &(obstacle, force) in &pushed {
         let back = force.map(|part| -part);
         let others = (0..run.state.drive.poses.len()).filter(|&other| other != obstacle);
-        let ways = others.filter_map(|other| {
-            let pose = run.state.drive.poses[other].clone();
-            let way = advance(run, other, back);
-            run.state.drive.poses[other] = pose;
-            way
-        });
-        let way = ways.fold(f64::INFINITY, f64::min);
-        longest = longest.max(if way.is_finite() { way } else { 0.0 });
+        let way = nearest(run, others, back);
+        longest = longest.max(way.unwrap_or(0.0));
     }
     longest
+}
+
+/// The step `[controls]` by which pushed supports of a body that nothing touches take it to an
+/// obstacle; none where something does, or nothing is met.
+pub(super) fn lead_body(run: &mut Run<'_>, controls: &[Control], goal: &[f64]) -> Option<Vec<f64>> {
+    let obstacles = run.state.drive.poses.len();
+    if (0..obstacles).any(|obstacle| touches(run, obstacle)) {
+        return None;
+    }
+    let is_push = |control: &Control| control.is_of_support() && control.axis < 3;
+    let pairs = controls.iter().zip(goal);
+    let push = pairs.map(|(control, goal)| if is_push(control) { *goal } else { 0.0 });
+    let push: Vec<f64> = push.collect();
+    let size = norm(&push);
+    let mut back = [0.0; 3];
+    for (control, part) in controls.iter().zip(&push) {
+        back[control.axis % 3] -= part;
+    }
+    if norm(&back) == 0.0 {
+        return None;
+    }
+    let way = nearest(run, 0..obstacles, back)?;
+    Some(
+        push.iter()
+            .map(|part| (way + ADVANCES[0]) * part / size)
+            .collect(),
+    )
+}
+
+/// How far the nearest of `obstacles` is along `way`; none where no one is met.
+fn nearest(
+    run: &mut Run<'_>,
+    obstacles: impl Iterator<Item = usize>,
+    way: [f64; 3],
+) -> Option<f64> {
+    let ways = obstacles.filter_map(|other| {
+        let pose = run.state.drive.poses[other].clone();
+        let way = advance(run, other, way);
+        run.state.drive.poses[other] = pose;
+        way
+    });
+    ways.min_by(f64::total_cmp)
 }
 
 /// Obstacles that shall exert a force, with what is named of it.
 fn forces(controls: &[Control], goal: &[f64]) -> Vec<(usize, [f64; 3])> {
     let mut forces: Vec<(usize, [f64; 3])> = Vec::new();
     for (control, &goal) in controls.iter().zip(goal) {
+        let Part::Obstacle(number) = control.part else {
+            continue;
+        };
         if control.axis >= 3 || goal == 0.0 {
             continue;
         }
         match forces.last_mut() {
-            Some((obstacle, force)) if *obstacle == control.obstacle => force[control.axis] = goal,
+            Some((obstacle, force)) if *obstacle == number => force[control.axis] = goal,
             _ => {
                 let mut force = [0.0; 3];
                 force[control.axis] = goal;
-                forces.push((control.obstacle, force));
+                forces.push((number, force));
             }
         }
     }
@@ -109,7 +148,7 @@ fn forces(controls: &[Control], goal: &[f64]) -> Vec<(usize, [f64; 3])> {
 }
 
 fn is_force_of(control: &Control, obstacle: usize) -> bool {
-    control.obstacle == obstacle && control.axis < 3
+    control.part == Part::Obstacle(obstacle) && control.axis < 3
 }
 
 /// Whether an obstacle presses on the body anywhere.
@@ -190,7 +229,13 @@ fn resisting(run: &Run<'_>, controls: &[Control], direction: &[f64]) -> Option<V
         own.any(|(control, part)| is_force_of(control, obstacle) && *part != 0.0)
     };
     let others = (0..run.state.drive.poses.len()).filter(|&other| !is_pushed(other));
-    let others = others.flat_map(|obstacle| (0..3).map(move |axis| Control { obstacle, axis }));
+    let axes = |obstacle| {
+        (0..3).map(move |axis| Control {
+            part: Part::Obstacle(obstacle),
+            axis,
+        })
+    };
+    let others = others.flat_map(axes);
     let others: Vec<Control> = others.collect();
     // Pushes that balance each other need no one else.
     if others.is_empty() || norm(&sums) < 0.5 * norm(direction) {
@@ -268,7 +313,10 @@ mod tests {
     #[test]
     fn forces_are_those_of_each_obstacle() {
         let controls = [(0, 2), (1, 0), (1, 1), (1, 5), (2, 3)];
-        let controls = controls.map(|(obstacle, axis)| Control { obstacle, axis });
+        let controls = controls.map(|(obstacle, axis)| Control {
+            part: Part::Obstacle(obstacle),
+            axis,
+        });
         let found = forces(&controls, &[-1.0, 0.0, 3.0, 7.0, 9.0]);
         assert_eq!(found, [(0, [0.0, 0.0, -1.0]), (1, [0.0, 3.0, 0.0])]);
     }

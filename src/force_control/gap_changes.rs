@@ -13,21 +13,24 @@ use crate::geometry::vector3::{cross, sub};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::joined::Joined;
-use crate::model::push::Control;
+use crate::model::push::{Control, Part};
 use crate::model::state::State;
 use crate::obstacle::Obstacle;
 
 /// D, column by column `[controls][multipliers]`.
 pub(super) fn gap_changes(model: &Model<'_>, state: &State, controls: &[Control]) -> Vec<Vec<f64>> {
     let of_one = |own: &[Control]| changes_of_one(model, state, own);
-    let by_obstacle = controls.chunk_by(|a, b| a.obstacle == b.obstacle);
-    by_obstacle.flat_map(of_one).collect()
+    let by_part = controls.chunk_by(|a, b| a.part == b.part);
+    by_part.flat_map(of_one).collect()
 }
 
-/// The columns of one obstacle.
+/// The columns of one obstacle; supports move no gap of themselves.
 fn changes_of_one(model: &Model<'_>, state: &State, own: &[Control]) -> Vec<Vec<f64>> {
     let still = || vec![vec![0.0; state.multiplier.len()]; own.len()];
-    let Some((interface, met)) = model.placed(&state.drive).nth(own[0].obstacle) else {
+    let Part::Obstacle(number) = own[0].part else {
+        return still();
+    };
+    let Some((interface, met)) = model.placed(&state.drive).nth(number) else {
         return still();
     };
     let Some(obstacle) = met.obstacle() else {
@@ -42,7 +45,7 @@ fn changes_of_one(model: &Model<'_>, state: &State, own: &[Control]) -> Vec<Vec<
         let mut slips = friction.linearised(model, state, &free);
         let width = friction.components.count();
         let rows = friction.points.iter().zip(slips.rows.chunks_mut(width));
-        for (_, rows) in rows.filter(|(point, _)| point.obstacle != own[0].obstacle) {
+        for (_, rows) in rows.filter(|(point, _)| point.obstacle != number) {
             rows.iter_mut().for_each(Vec::clear);
         }
         joined.add_friction(friction, slips);

@@ -1,13 +1,15 @@
-//! Obstacles that are pushed: the components z of their poses that follow from what the
-//! obstacles shall exert on the body,
+//! Obstacles and supports that are pushed: the components z of their poses that follow from what
+//! they shall exert on the body,
 //!
 //! ```text
 //! f(z) = F,   f(z) = -D^T l(z),   D = dg/dz
 //! ```
 //!
 //! l(z) the contact pressures of the body in equilibrium at the poses z, g the gaps: forces and
-//! moments about the reference points, as they are reported. Broyden's method, from the
-//! stiffness that the metric of contact says ([`by_metric`]); an obstacle away from the body is
+//! moments about the reference points, as they are reported; supports exert their reactions, and
+//! springs to the ground k z with them. Broyden's method, from the
+//! stiffness that the metric of contact says ([`by_metric`]), or with supports differences
+//! ([`by_difference`]); an obstacle away from the body is
 //! first led to it along its force ([`approach`]), and so is one that the body leaves on the way; one
 //! that grips the body begins with the least slip ([`least_slip`]).
 //! Each solve is as accurate as the misfit that is left makes worthwhile, and goes on from the
@@ -17,6 +19,7 @@
 
 mod approach;
 mod broyden;
+mod by_difference;
 mod by_metric;
 mod gap_changes;
 mod least_slip;
@@ -27,11 +30,12 @@ use crate::model::ending::{Ending, Site};
 use crate::model::push::Control;
 use crate::plan::Units;
 use crate::report::{Cause, Termination};
-use crate::results::exerted::exerted;
+use crate::results::exerted::applied;
 use crate::sqp::accuracy;
 use crate::sqp::push_stiffness::PushStiffness;
 use crate::sqp::run::Run;
 use broyden::{BroydenIterate, Progress, Stall};
+use by_difference::by_difference;
 use by_metric::by_metric;
 use gap_changes::gap_changes;
 use least_slip::least_slip;
@@ -94,10 +98,7 @@ impl Balance {
     /// The search from the present poses of the state.
     fn new(run: &mut Run<'_>, drive: &Drive, controls: Vec<Control>) -> Self {
         let units = &run.model.plan.problem.units;
-        let goal = |control: &Control| {
-            let push = drive.pushes[control.obstacle].components[control.axis];
-            push.unwrap_or_default() / unit(units, control.axis)
-        };
+        let goal = |control: &Control| drive.goal(*control) / unit(units, control.axis);
         let known = run.learned.under_pushes.take();
         let floor = run.model.conditions.tolerance;
         Self {
@@ -170,7 +171,7 @@ impl Balance {
     /// Whether what is missing is less than gaps as exact as they are asked for can tell: near full
     /// contact of a body that keeps its volume forces change without end on no way at all.
     fn is_unresolved(&mut self, run: &mut Run<'_>, after: &Progress) -> bool {
-        if self.tolerance > self.floor || after.relative > COARSE {
+        if self.tolerance > self.floor || after.relative > COARSE || self.moves_supports() {
             return false;
         }
         let (step, _) = self.step(run, &after.misfit);
@@ -235,7 +236,10 @@ impl Balance {
         let slid_away = || self.worst(&after.misfit).filter(|_| slides >= MOST_SLIDES);
         if let Some(control) = self.unbalanced(&rest, &after).or_else(slid_away) {
             // A tool that the body has left may meet it again farther along its force.
-            let Some(step) = approach::lead(run, &self.controls, &self.goal) else {
+            let (controls, goal) = (&self.controls, &self.goal);
+            let step = approach::lead(run, controls, goal)
+                .or_else(|| approach::lead_body(run, controls, goal));
+            let Some(step) = step else {
                 return Err((Cause::NoEquilibrium, control));
             };
             if iterate.approaches == MOST_APPROACHES {
@@ -271,16 +275,27 @@ impl Balance {
     /// The step that takes `misfit` off, as far as the stiffness is known, and what it leaves.
     fn step(&mut self, run: &mut Run<'_>, misfit: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let stiffer = std::mem::replace(&mut self.stiffer, 1.0);
-        let stiffness = self
-            .stiffness
-            .get_or_insert_with(|| by_metric(run, &self.controls).times(stiffer));
+        let by_supports = self.moves_supports();
+        let stiffness = self.stiffness.get_or_insert_with(|| {
+            if by_supports {
+                by_difference(run, &self.drive, &self.controls, misfit)
+            } else {
+                by_metric(run, &self.controls).times(stiffer)
+            }
+        });
         stiffness.solve(misfit)
+    }
+
+    /// Whether any of what is sought moves a support, whose stiffness is that of the body.
+    fn moves_supports(&self) -> bool {
+        self.controls.iter().any(|control| control.is_of_support())
     }
 
     /// Whether the state is driven as it shall be but for its pushes and what follows from them.
     fn is_only_pushed(&self, run: &Run<'_>) -> bool {
         let now = Drive {
             pushes: self.drive.pushes.clone(),
+            support_pushes: self.drive.support_pushes.clone(),
             ..run.state.drive.clone()
         };
         now == self.drive
@@ -297,7 +312,10 @@ impl Balance {
             return;
         };
         if !iterate.tells {
-            self.stiffness = None;
+            // That of a body between supports changes little with other loads.
+            if !self.moves_supports() {
+                self.stiffness = None;
+            }
             return;
         }
         let change = iterate.change(after);
@@ -317,13 +335,13 @@ impl Balance {
     /// f - F at the state.
     fn progress(&self, run: &Run<'_>) -> Progress {
         let units = &run.model.plan.problem.units;
-        let found = exerted(&run.model, run.state);
+        let found = applied(&run.model, run.state, &self.drive);
         let misfit = self.controls.iter().zip(&self.goal);
-        let misfit = misfit.map(|(control, goal)| {
-            found[control.obstacle][control.axis] / unit(units, control.axis) - goal
-        });
+        let misfit =
+            misfit.map(|(control, goal)| found.at(*control) / unit(units, control.axis) - goal);
         let misfit: Vec<f64> = misfit.collect();
-        let forces = found.iter().flat_map(|exerted| &exerted[..3]);
+        let forces = found.obstacles.iter().chain(&found.supports);
+        let forces = forces.flat_map(|exerted| &exerted[..3]);
         let force = forces.fold(0.0, |most: f64, x| most.max(x.abs())) / units.force();
         let scale = force.max(largest(&self.goal));
         let relative = if scale > 0.0 {
@@ -407,6 +425,7 @@ fn unit(units: &Units, axis: usize) -> f64 {
 pub(crate) fn constants() -> Vec<crate::constants::Constant> {
     [
         approach::own_constants(),
+        by_difference::own_constants(),
         broyden::own_constants(),
         by_metric::own_constants(),
         own_constants(),

@@ -57,6 +57,11 @@ impl RigidMotion {
         )
     }
 
+    /// Where the reference point goes `[3]`.
+    pub fn about_moved(&self) -> [f64; 3] {
+        add(self.about, self.translation)
+    }
+
     /// The same motion with another reference point.
     pub fn expressed_about(&self, about: [f64; 3]) -> Self {
         let turn = Self {

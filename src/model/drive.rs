@@ -13,7 +13,7 @@
 //! radians.
 
 use super::given::Given;
-use super::push::{Control, Push};
+use super::push::{Applied, Control, Part, Push, filled, joined, named, towards};
 use crate::geometry::rigid_motion::RigidMotion;
 use crate::mesh::Mesh;
 use crate::plan::Plan;
@@ -37,16 +37,25 @@ impl ObstaclePose {
     /// Takes over what a step names, but for the components that follow from `push`.
     fn lead(&mut self, target: &ObstacleTarget, push: &Push) {
         let own = [&mut self.translation, &mut self.rotation];
-        let named = [target.translation, target.rotation];
-        let axes = own.into_iter().zip(named).zip([0, 3]);
-        for ((own, named), first) in axes {
-            for (axis, value) in named.into_iter().flatten().enumerate() {
-                if push.components[first + axis].is_none() {
-                    own[axis] = value;
-                }
+        lead(own, [target.translation, target.rotation], push);
+    }
+}
+
+/// Sets translation and rotation to what is `named`, but for the components that follow from `push`.
+fn lead(own: [&mut [f64; 3]; 2], named: [Option<[f64; 3]>; 2], push: &Push) {
+    let axes = own.into_iter().zip(named).zip([0, 3]);
+    for ((own, named), first) in axes {
+        for (axis, value) in named.into_iter().flatten().enumerate() {
+            if push.components[first + axis].is_none() {
+                own[axis] = value;
             }
         }
     }
+}
+
+/// Translation and rotation in one `[6]`.
+fn pose_of(motion: &RigidMotion) -> [f64; 6] {
+    joined(motion.translation, motion.rotation)
 }
 
 /// Everything that ramps.
@@ -58,6 +67,8 @@ pub(crate) struct Drive {
     pub(crate) poses: Vec<ObstaclePose>,
     /// What each obstacle shall exert, in the order of the plan; empty where all are led.
     pub(crate) pushes: Vec<Push>,
+    /// What each support shall exert, and its spring with it, likewise.
+    pub(crate) support_pushes: Vec<Push>,
     /// Coefficient of friction of each obstacle, in the order of the plan; constant through
     /// a step. Empty where no obstacle is frictional.
     pub(crate) friction: Vec<f64>,
@@ -93,6 +104,7 @@ impl Drive {
                 })
                 .collect(),
             pushes: Vec::new(),
+            support_pushes: Vec::new(),
             friction: if plan.has_friction() {
                 plan.problem
                     .obstacles
@@ -110,6 +122,19 @@ impl Drive {
 
     /// Where the first step leads when it names nothing.
     pub(crate) fn first_target(plan: &Plan) -> Self {
+        let supports = plan.problem.resolved.supports.iter();
+        let pushes = supports.clone().map(|support| Push {
+            components: support.push,
+        });
+        let about = supports.map(|support| RigidMotion {
+            about: support.about,
+            ..RigidMotion::default()
+        });
+        let first = Self {
+            support_pushes: named(pushes.collect()),
+            motions: about.collect(),
+            ..Self::undeformed(plan)
+        };
         Self {
             load: 1.0,
             supports: plan
@@ -123,7 +148,7 @@ impl Drive {
                 })
                 .collect(),
             given: Given::of_scene(plan),
-            ..Self::undeformed(plan)
+            ..first
         }
     }
 
@@ -163,17 +188,24 @@ impl Drive {
     fn push(&mut self, index: usize, push: Push) {
         self.pushes.resize(self.poses.len(), Push::default());
         self.pushes[index] = push;
-        if self.pushes.iter().all(Push::is_none) {
-            self.pushes.clear();
-        }
+        self.pushes = named(std::mem::take(&mut self.pushes));
     }
 
-    /// The components of poses that follow from pushes, in the order of the obstacles.
+    /// Whether any pose follows from a push.
+    pub(crate) fn is_pushed(&self) -> bool {
+        !self.pushes.is_empty() || !self.support_pushes.is_empty()
+    }
+
+    /// The components of poses that follow from pushes, in the order of the obstacles, then of
+    /// the supports.
     pub(crate) fn controls(&self) -> Vec<Control> {
-        let pushes = self.pushes.iter().enumerate();
-        let controls = pushes.flat_map(|(obstacle, push)| {
+        let obstacles = self.pushes.iter().enumerate();
+        let obstacles = obstacles.map(|(index, push)| (Part::Obstacle(index), push));
+        let supports = self.support_pushes.iter().enumerate();
+        let supports = supports.map(|(index, push)| (Part::Support(index), push));
+        let controls = obstacles.chain(supports).flat_map(|(part, push)| {
             let axes = (0..6).filter(|&axis| push.components[axis].is_some());
-            axes.map(move |axis| Control { obstacle, axis })
+            axes.map(move |axis| Control { part, axis })
         });
         controls.collect()
     }
@@ -182,36 +214,80 @@ impl Drive {
     pub(crate) fn carried_by(&self, other: &Self) -> Self {
         let mut carried = self.clone();
         for control in self.controls() {
-            let pose = &other.poses[control.obstacle];
-            let reached = [pose.translation, pose.rotation];
-            *carried.component(control) = reached.as_flattened()[control.axis];
+            let pose = match control.part {
+                Part::Obstacle(_) => other.pose(control.part),
+                // About the own reference point, which a step may have changed.
+                Part::Support(index) => {
+                    let about = carried.motions[index].about;
+                    pose_of(&other.motions[index].expressed_about(about))
+                }
+            };
+            *carried.component(control) = pose[control.axis];
         }
         carried
     }
 
+    /// Translation and rotation of a part `[6]`.
+    pub(crate) fn pose(&self, part: Part) -> [f64; 6] {
+        match part {
+            Part::Obstacle(index) => {
+                let pose = &self.poses[index];
+                joined(pose.translation, pose.rotation)
+            }
+            Part::Support(index) => pose_of(&self.motions[index]),
+        }
+    }
+
     /// One component of a pose.
     pub(crate) fn component(&mut self, control: Control) -> &mut f64 {
-        let pose = &mut self.poses[control.obstacle];
+        let [translation, rotation] = match control.part {
+            Part::Obstacle(index) => {
+                let pose = &mut self.poses[index];
+                [&mut pose.translation, &mut pose.rotation]
+            }
+            Part::Support(index) => {
+                let motion = &mut self.motions[index];
+                [&mut motion.translation, &mut motion.rotation]
+            }
+        };
         match control.axis {
-            axis @ 0..3 => &mut pose.translation[axis],
-            axis => &mut pose.rotation[axis - 3],
+            axis @ 0..3 => &mut translation[axis],
+            axis => &mut rotation[axis - 3],
         }
+    }
+
+    /// What a part shall exert along a component; zero where it is led.
+    pub(crate) fn goal(&self, control: Control) -> f64 {
+        let push = match control.part {
+            Part::Obstacle(index) => self.pushes.get(index),
+            Part::Support(index) => self.support_pushes.get(index),
+        };
+        let component = push.and_then(|push| push.components[control.axis]);
+        component.unwrap_or_default()
     }
 
     /// Sets displacement and motion of the support that a step names; what the step
     /// leaves out keeps its value.
     fn hold(&mut self, plan: &Plan, target: &SupportTarget) {
-        let mut supports = plan.problem.resolved.supports.iter();
-        let Some(index) = supports.position(|support| support.name == target.name) else {
+        let resolved = &plan.problem.resolved.supports;
+        let Some(index) = resolved.iter().position(|one| one.name == target.name) else {
             return;
         };
+        let push = self.support_pushes.get(index).copied().unwrap_or_default();
+        let push = push.after_support(target, &resolved[index].spring);
         for (value, new) in self.supports[index].iter_mut().zip(target.displacement) {
             *value = new.unwrap_or(*value);
         }
         let motion = &mut self.motions[index];
-        motion.translation = target.translation.unwrap_or(motion.translation);
-        motion.rotation = target.rotation.unwrap_or(motion.rotation);
+        if let (Some(about), false) = (target.about, push.is_none()) {
+            *motion = motion.expressed_about(about);
+        }
+        let own = [&mut motion.translation, &mut motion.rotation];
+        lead(own, [target.translation, target.rotation], &push);
         motion.about = target.about.unwrap_or(motion.about);
+        self.support_pushes.resize(resolved.len(), Push::default());
+        self.support_pushes[index] = push;
+        self.support_pushes = named(std::mem::take(&mut self.support_pushes));
     }
 
     /// Whether any support prescribes more than zeros.
@@ -258,12 +334,11 @@ impl Drive {
     fn values(&self, other: &Self) -> Vec<f64> {
         let mut given = self.clone();
         for control in self.controls() {
-            let value = self.pushes[control.obstacle].components[control.axis];
-            *given.component(control) = value.unwrap_or_default();
+            *given.component(control) = self.goal(control);
         }
         let poses = given.poses.iter();
         let poses = poses.flat_map(|pose| [pose.translation, pose.rotation]);
-        let motions = self.motions.iter().zip(&other.motions);
+        let motions = given.motions.iter().zip(&other.motions);
         let motions = motions.flat_map(|(motion, other)| {
             let motion = motion.expressed_about(other.about);
             [motion.translation, motion.rotation]
@@ -303,7 +378,8 @@ impl Drive {
                     rotation: mix3(a.rotation, b.rotation),
                 })
                 .collect(),
-            pushes: self.pushes_towards(end, fraction),
+            pushes: towards(&self.pushes, &end.pushes, fraction),
+            support_pushes: towards(&self.support_pushes, &end.support_pushes, fraction),
             friction: end.friction.clone(),
             supports: self
                 .supports
@@ -328,24 +404,12 @@ impl Drive {
         }
     }
 
-    /// What obstacles exert on the way to `end`.
-    fn pushes_towards(&self, end: &Self, fraction: f64) -> Vec<Push> {
-        let pushes = end.pushes.iter().enumerate();
-        let pushes = pushes.map(|(index, end)| match self.pushes.get(index) {
-            Some(start) => start.towards(end, fraction),
-            None => *end,
-        });
-        pushes.collect()
-    }
-
     /// This drive with a push to start from wherever `end` has one: that of its own, else what
-    /// the obstacle has `exerted` `[obstacles][6]`.
-    pub(crate) fn pushing_like(&self, end: &Self, exerted: &[[f64; 6]]) -> Self {
-        let own = |index: usize| self.pushes.get(index).copied().unwrap_or_default();
-        let pushes = end.pushes.iter().zip(exerted).enumerate();
-        let pushes = pushes.map(|(index, (end, exerted))| own(index).filled(end, exerted));
+    /// `applied` says.
+    pub(crate) fn pushing_like(&self, end: &Self, applied: &Applied) -> Self {
         Self {
-            pushes: pushes.collect(),
+            pushes: filled(&self.pushes, &end.pushes, &applied.obstacles),
+            support_pushes: filled(&self.support_pushes, &end.support_pushes, &applied.supports),
             ..self.clone()
         }
     }

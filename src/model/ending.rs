@@ -4,7 +4,7 @@
 //! the scaled body. An increment that does not converge ends with its last good state and
 //! the residuals of that state.
 
-use super::push::Control;
+use super::push::{Control, Part};
 use crate::plan::{Plan, Units};
 use crate::report::{Cause, CauseSite, Residuals, Snapped, Stability, Termination};
 
@@ -73,8 +73,12 @@ impl Site {
     /// In the caller's units and names.
     pub(crate) fn in_words_of(self, plan: &Plan) -> CauseSite {
         let key = |control: Control| {
-            let obstacle = plan.problem.obstacles.get(control.obstacle)?;
-            Some(format!("obstacle.{}.{}", obstacle.name, control.key()))
+            let problem = &plan.problem;
+            let (kind, name) = match control.part {
+                Part::Obstacle(index) => ("obstacle", &problem.obstacles.get(index)?.name),
+                Part::Support(index) => ("support", &problem.resolved.supports.get(index)?.name),
+            };
+            Some(format!("{kind}.{name}.{}", control.key()))
         };
         CauseSite {
             point: self.point.map(|point| plan.problem.units.of_mesh(point)),

@@ -195,6 +195,7 @@ mod tests {
                 displacement: [Some(0.5), Some(0.0), Some(0.0)],
                 profile: Default::default(),
                 values: None,
+                load: Default::default(),
             }],
             ..Scene::default()
         };

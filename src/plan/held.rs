@@ -167,6 +167,7 @@ mod tests {
             displacement: [x, None, None],
             profile: Profile::Constant,
             values: None,
+            load: Default::default(),
         }
     }
 

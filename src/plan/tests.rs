@@ -33,6 +33,7 @@ fn scene(poisson_ratio: f64) -> Scene {
             displacement: [Some(0.0), Some(0.0), None],
             profile: Profile::Constant,
             values: None,
+            load: Default::default(),
         }],
         ..Scene::default()
     }

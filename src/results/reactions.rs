@@ -5,8 +5,8 @@
 //! ```
 //!
 //! over the nodes that a support holds; f = internal force plus contact less load in held rows,
-//! of the Lagrange functions, and c the point about which the support turns (`about`), the origin
-//! where no step has given one. About an axis of revolution moments of a full turn are zero; of
+//! of the Lagrange functions, and c the reference point of the support: `about`, the origin where
+//! nothing has given one, moved by its translation. About an axis of revolution moments of a full turn are zero; of
 //! flows, whose u is a velocity, they are left at zero, too.
 //! Cost: one visit a held node, one probe a point of guides.
 
@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 
 use super::nodal_force::{contact_force, reaction};
 use super::touching::Touching;
+use crate::geometry::rigid_motion::RigidMotion;
 use crate::geometry::vector3::{add, cross, scale, sub};
 use crate::model::Model;
 use crate::model::state::State;
@@ -33,7 +34,8 @@ impl<'a> Sums<'a> {
     fn new(model: &'a Model<'a>, state: &State) -> Self {
         let length = model.plan.problem.units.length;
         let motions = state.drive.motions.iter();
-        let about: Vec<[f64; 3]> = motions.map(|one| scale(1.0 / length, one.about)).collect();
+        let reference = |one: &RigidMotion| scale(1.0 / length, one.about_moved());
+        let about: Vec<[f64; 3]> = motions.map(reference).collect();
         Self {
             model,
             moved: model.prepared.space.node_values(&state.displacement),
@@ -86,7 +88,7 @@ impl<'a> Sums<'a> {
 
 /// Reactions of all supports by name, in the caller's units; `internal` are the forces of the
 /// body `[displacement]`.
-pub(super) fn reactions(
+pub(crate) fn reactions(
     model: &Model<'_>,
     state: &State,
     internal: Vec<f64>,
@@ -98,10 +100,18 @@ pub(super) fn reactions(
     let supports = &model.plan.problem.resolved.supports;
     let units = &model.plan.problem.units;
     let has_moments = !model.plan.is_axisymmetric() && !model.plan.problem.resolved.is_flow();
-    let pairs = sums.results.iter().zip(&sums.about);
-    let of_support = |(own, about): (&SupportResult, &[f64; 3]), name: &str| {
+    let pairs = sums
+        .results
+        .iter()
+        .zip(&sums.about)
+        .zip(&state.drive.motions);
+    let of_support = |((own, about), motion): ((&SupportResult, &[f64; 3]), &RigidMotion),
+                      name: &str| {
         let [force, moment] = touching.guided(name, *about);
         SupportResult {
+            translation: motion.translation,
+            rotation: motion.rotation,
+            reference_point: motion.about_moved(),
             force: scale(units.force(), add(own.force, force)),
             moment: if has_moments {
                 scale(units.energy(), add(own.moment, moment))

@@ -83,6 +83,55 @@ pub struct Support {
     /// Displacement of each node, length, on top of `displacement`; components that are not
     /// held are not read.
     pub values: Option<Values>,
+    /// Forces and springs on the surface as on a rigid part.
+    pub load: SupportLoad,
+}
+
+impl Support {
+    /// Held components: those that are given, and at rest those that follow from a force or a
+    /// spring, whose motion is that of the support `[3]`.
+    pub fn held(&self) -> [Option<f64>; 3] {
+        let pushed = self.load.components();
+        std::array::from_fn(|axis| self.displacement[axis].or(pushed[axis].map(|_| 0.0)))
+    }
+}
+
+/// Forces on a support, whose surface moves as a rigid part: the pose of the components that are
+/// named follows from them, until a step names a motion and no force. Such components are held.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SupportLoad {
+    /// Force that the support shall exert on the body at the end of the first step, with what its
+    /// springs take `[3]`.
+    pub force: [Option<f64>; 3],
+    /// Moment about the reference point, likewise `[3]`. Needs rubber.
+    pub moment: [Option<f64>; 3],
+    /// Springs from the reference point to the ground, force per length `[3]`.
+    pub stiffness: [Option<f64>; 3],
+    /// Springs against rotation, moment per radian `[3]`. Need rubber.
+    pub rotational_stiffness: [Option<f64>; 3],
+    /// Reference point of moments and rotation in the undeformed body `[3]`; the origin without.
+    pub about: Option<[f64; 3]>,
+}
+
+impl SupportLoad {
+    /// Forces, then moments; zero where a spring is alone `[6]`.
+    pub fn components(&self) -> [Option<f64>; 6] {
+        let springs = self.springs();
+        let named = [self.force, self.moment];
+        let named = named.as_flattened();
+        std::array::from_fn(|axis| named[axis].or(springs[axis].map(|_| 0.0)))
+    }
+
+    /// Springs along the axes, then about them `[6]`.
+    pub fn springs(&self) -> [Option<f64>; 6] {
+        let springs = [self.stiffness, self.rotational_stiffness];
+        std::array::from_fn(|axis| springs.as_flattened()[axis])
+    }
+
+    /// Whether it moves anything.
+    pub fn is_none(&self) -> bool {
+        self.components().iter().all(Option::is_none)
+    }
 }
 
 /// Dead load per undeformed area on surface groups.

@@ -45,9 +45,15 @@ pub struct SupportTarget {
     pub translation: Option<[f64; 3]>,
     /// Rotation vector `[3]`, radians; several turns allowed. Needs rubber.
     pub rotation: Option<[f64; 3]>,
-    /// Point of the undeformed body that the rotation leaves in place `[3]`; the
-    /// origin at first.
+    /// Point of the undeformed body that the rotation leaves in place `[3]`; that of the scene
+    /// at first.
     pub about: Option<[f64; 3]>,
+    /// Force that the support shall exert on the body, with what its springs take, component by
+    /// component `[3]`: its surface moves freely as a rigid part along those that are named, until
+    /// a step names a motion along them and no force.
+    pub force: [Option<f64>; 3],
+    /// Moment about the reference point, likewise `[3]`. Needs rubber.
+    pub moment: [Option<f64>; 3],
     /// New displacement of each node, length, on top of the others; `None` keeps them, zeros
     /// at first.
     pub values: Option<Values>,
@@ -63,6 +69,12 @@ pub struct TractionTarget {
 }
 
 impl SupportTarget {
+    /// Whether the support is pushed rather than led in some component.
+    pub fn names_push(&self) -> bool {
+        let mut components = self.force.iter().chain(&self.moment);
+        components.any(Option::is_some)
+    }
+
     /// Whether it names a rigid motion.
     pub fn names_motion(&self) -> bool {
         self.translation.is_some() || self.rotation.is_some() || self.about.is_some()

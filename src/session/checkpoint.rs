@@ -21,7 +21,7 @@ use sha2::{Digest, Sha256};
 use crate::assembly::simd::InstructionSet;
 use crate::model::drive::Drive;
 use crate::model::given::Given;
-use crate::model::push::Push;
+use crate::model::push::{Push, named};
 use crate::model::state::{SlipState, State};
 use crate::plan::Plan;
 
@@ -41,6 +41,8 @@ const WITH_VALUES: u32 = 3;
 const WITH_RESIDUES: u32 = 4;
 /// Of the format where programs may begin by a factor.
 const WITH_FACTOR: u32 = 5;
+/// Of the format with what supports shall exert in every drive, where any shall.
+const WITH_SUPPORTS: u32 = 6;
 /// Bytes of a SHA-256 digest.
 const DIGEST: usize = 32;
 /// More steps than any session takes.
@@ -132,6 +134,7 @@ impl Checkpoint {
         let drives = [&self.target, &self.state.drive];
         let drives = drives.into_iter().chain(&self.begun);
         let of_one = |drive: &Drive| match (drive.given == Given::default(), &drive.pushes[..]) {
+            _ if !drive.support_pushes.is_empty() => WITH_SUPPORTS,
             (false, _) => WITH_VALUES,
             (true, [_, ..]) => WITH_PUSHES,
             (true, []) => VERSION,
@@ -176,8 +179,8 @@ fn verified(bytes: &[u8]) -> Result<(u32, &[u8]), CheckpointError> {
     let rest = rest.ok_or(CheckpointError::NotACheckpoint)?;
     let (version, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
     let found = u32::from_le_bytes(*version);
-    if !(VERSION..=WITH_FACTOR).contains(&found) {
-        let known = WITH_FACTOR;
+    if !(VERSION..=WITH_SUPPORTS).contains(&found) {
+        let known = WITH_SUPPORTS;
         return Err(CheckpointError::UnknownVersion { found, known });
     }
     let (body, written) = rest
@@ -255,7 +258,7 @@ fn visit_drive<E>(
         fields.numbers("rotation of an obstacle", &mut pose.rotation)?;
     }
     if version >= WITH_PUSHES {
-        visit_pushes(drive, fields)?;
+        visit_pushes(&mut drive.pushes, drive.poses.len(), fields)?;
     }
     if !drive.friction.is_empty() {
         fields.numbers("friction", &mut drive.friction)?;
@@ -266,6 +269,9 @@ fn visit_drive<E>(
         fields.numbers("translation of a support", &mut motion.translation)?;
         fields.numbers("rotation of a support", &mut motion.rotation)?;
         fields.numbers("reference point of a support", &mut motion.about)?;
+    }
+    if version >= WITH_SUPPORTS {
+        visit_pushes(&mut drive.support_pushes, drive.motions.len(), fields)?;
     }
     if version >= WITH_VALUES {
         visit_given(&mut drive.given, fields)
@@ -287,10 +293,13 @@ fn visit_given<E>(given: &mut Given, fields: &mut impl Fields<Error = E>) -> Res
 }
 
 /// Which components of each pose are pushed, and by what; zero where none is.
-fn visit_pushes<E>(drive: &mut Drive, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
-    let mut pushes = drive.pushes.clone();
-    pushes.resize(drive.poses.len(), Push::default());
-    for push in &mut pushes {
+fn visit_pushes<E>(
+    pushes: &mut Vec<Push>,
+    parts: usize,
+    fields: &mut impl Fields<Error = E>,
+) -> Result<(), E> {
+    pushes.resize(parts, Push::default());
+    for push in pushes.iter_mut() {
         let mut flags = push.components.map(|component| component.is_some());
         let mut values = push.components.map(Option::unwrap_or_default);
         fields.flags("pushed components", &mut flags)?;
@@ -299,11 +308,7 @@ fn visit_pushes<E>(drive: &mut Drive, fields: &mut impl Fields<Error = E>) -> Re
         let slots = push.components.iter_mut().zip(components);
         slots.for_each(|(slot, (is_pushed, value))| *slot = is_pushed.then_some(value));
     }
-    drive.pushes = if pushes.iter().all(Push::is_none) {
-        Vec::new()
-    } else {
-        pushes
-    };
+    *pushes = named(std::mem::take(pushes));
     Ok(())
 }
 

@@ -257,13 +257,13 @@ impl Session {
         Ok(StepRun::new(start.clone(), end, step.increments))
     }
 
-    /// What drives the body now, with what its obstacles exert where `end` pushes them.
+    /// What drives the body now, with what its parts exert where `end` pushes them.
     fn start_towards(&self, end: &Drive) -> Drive {
         let now = &self.state.drive;
         if now.controls() == end.controls() {
             return now.clone();
         }
-        now.pushing_like(end, &self.body.exerted(&self.state))
+        now.pushing_like(end, &self.body.applied(&self.state, end))
     }
 
     /// Does the next increment; none when the step is finished. A result that

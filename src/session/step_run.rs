@@ -105,6 +105,7 @@ mod tests {
             load: 0.0,
             poses: Vec::new(),
             pushes: Vec::new(),
+            support_pushes: Vec::new(),
             friction: Vec::new(),
             supports: Vec::new(),
             motions: Vec::new(),

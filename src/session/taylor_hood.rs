@@ -16,6 +16,7 @@ use crate::model::drive::Drive;
 use crate::model::friction::{SlipStart, note_slip};
 use crate::model::interfaces::Interfaces;
 use crate::model::loads::reference_load;
+use crate::model::push::Applied;
 use crate::model::state::{Start, State};
 use crate::plan::Plan;
 use crate::precond::p_multigrid::LANCZOS_STEPS;
@@ -24,7 +25,7 @@ use crate::report::{FieldData, FieldName, StepReport};
 use crate::results::coarse_turn::coarse_turns;
 use crate::results::coarse_volume::coarse_volume;
 use crate::results::contact_alone;
-use crate::results::exerted::exerted;
+use crate::results::exerted::applied;
 use crate::results::touch::Touch;
 use crate::results::warnings::{coarse_facets, warnings};
 use crate::results::{fields, step};
@@ -155,10 +156,9 @@ impl TaylorHoodBody {
         at.work
     }
 
-    /// What each obstacle exerts on the body at `state`: forces, then moments about the
-    /// reference points `[obstacles][6]`, in the caller's units.
-    pub(super) fn exerted(&self, state: &State) -> Vec<[f64; 6]> {
-        exerted(&self.model(), state)
+    /// What obstacles exert on the body at `state`, and supports where `end` pushes them.
+    pub(super) fn applied(&self, state: &State, end: &Drive) -> Applied {
+        applied(&self.model(), state, end)
     }
 
     /// The report of an increment, without what only the session knows.

@@ -95,10 +95,14 @@ impl PushStiffness {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::push::Part;
 
     /// Of a spring along the first axis and none along the second.
     fn spring(stiffness: f64) -> PushStiffness {
-        let controls = [2, 0].map(|axis| Control { obstacle: 0, axis });
+        let controls = [2, 0].map(|axis| Control {
+            part: Part::Obstacle(0),
+            axis,
+        });
         PushStiffness {
             controls: controls.to_vec(),
             columns: vec![vec![stiffness, 0.0], vec![0.0, 0.0]],

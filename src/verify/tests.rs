@@ -38,6 +38,7 @@ impl Body {
                 displacement: [Some(0.0), Some(0.0), across],
                 profile: Profile::Constant,
                 values: None,
+                load: Default::default(),
             }],
             mesh_scale: Some(0.5),
             materials: vec![Material {

@@ -111,6 +111,7 @@ pub(crate) fn bent_cube() -> Scene {
             displacement: [Some(0.0); 3],
             profile: Profile::Constant,
             values: None,
+            load: Default::default(),
         }],
         tractions: vec![Traction {
             on: vec!["x1".to_owned()],

@@ -59,6 +59,7 @@ pub(crate) fn support(on: &str, displacement: [Option<f64>; 3]) -> Support {
         displacement,
         profile: Profile::Constant,
         values: None,
+        load: Default::default(),
     }
 }
 

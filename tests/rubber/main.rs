@@ -7,6 +7,7 @@ mod beside_rubber;
 mod extremes;
 mod frames;
 mod instability;
+mod loaded_supports;
 mod pressure;
 mod references;
 mod refusals;

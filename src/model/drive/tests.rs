@@ -24,6 +24,7 @@ fn plan() -> Plan {
             displacement: [Some(0.5), None, Some(0.0)],
             profile: Profile::Constant,
             values: None,
+            load: Default::default(),
         }],
         obstacles: vec![Obstacle {
             name: "ball".to_owned(),

@@ -288,6 +288,7 @@ mod tests {
                 displacement: [Some(0.0), Some(0.0), (on[0] == "z0").then_some(0.0)],
                 profile: Profile::Constant,
                 values: None,
+                load: Default::default(),
             }],
             obstacles: vec![crate::scene::Obstacle {
                 name: "tool".to_owned(),

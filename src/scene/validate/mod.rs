@@ -17,6 +17,7 @@ mod rubber;
 mod solver;
 mod spread;
 mod steps;
+mod support_load;
 mod surfaces;
 mod values;
 
@@ -120,11 +121,11 @@ pub(crate) fn resolve<'a>(
         faults.above_zero("mesh_scale", scale);
     }
     let (mut materials, cell_material) = materials::resolve(scene, mesh, &mut faults);
-    let mixed = materials::mixed(scene, &mut materials, &mut faults);
     if kind == SceneKind::PlaneStress {
         materials::flatten(scene, &mut materials, &mut faults);
     }
     materials::check_formulations(scene, &materials, &mut faults);
+    let mixed = materials::mixed(scene, &mut materials, &mut faults);
     materials::check_flow(scene, &materials, &mut faults);
     let supports = surfaces::supports(scene, mesh, &mut faults);
     let supports = profiles::resolve(supports, (steps, mesh), &mut faults);

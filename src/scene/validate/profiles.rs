@@ -23,12 +23,15 @@ pub(crate) fn resolve(
         ResolvedSupport {
             name: item.name.clone(),
             oblique,
-            displacement: item.displacement,
+            displacement: item.held(),
             normal: item.normal,
             planes,
             patches,
             profile: profile(item, &facets, mesh, faults),
             values: values::of_support(item, (&facets, mesh), faults),
+            push: item.load.components(),
+            spring: item.load.springs().map(Option::unwrap_or_default),
+            about: item.load.about.unwrap_or_default(),
             facets,
         }
     };

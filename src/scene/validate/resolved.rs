@@ -83,6 +83,13 @@ pub(crate) struct ResolvedSupport {
     pub(crate) profile: Option<Parabola>,
     /// Displacement of each node on top, the caller's length.
     pub(crate) values: Spread,
+    /// Forces and moments that it shall exert at the end of the first step, in the caller's units
+    /// `[6]`.
+    pub(crate) push: [Option<f64>; 6],
+    /// Springs to the ground along axes and about them, in the caller's units `[6]`.
+    pub(crate) spring: [f64; 6],
+    /// Reference point at first, the caller's length `[3]`.
+    pub(crate) about: [f64; 3],
 }
 
 impl ResolvedSupport {

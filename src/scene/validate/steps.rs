@@ -1,5 +1,6 @@
 //! Load steps and obstacle updates.
 
+use super::support_load::Poses;
 use super::{Faults, in_plane, values};
 use crate::mesh::Mesh;
 use crate::scene::names::hint;
@@ -57,6 +58,13 @@ impl Steps<'_> {
         }
     }
 
+    fn poses(&self) -> Poses<'_> {
+        Poses {
+            scene: self.scene,
+            mesh: self.mesh,
+        }
+    }
+
     fn obstacle(&self, target: &ObstacleTarget, path: &str, faults: &mut Faults) {
         let known = self.scene.obstacles.iter().map(|one| one.name.as_str());
         if !known.clone().any(|name| name == target.name) {
@@ -73,32 +81,9 @@ impl Steps<'_> {
         if let Some(rotation) = target.rotation {
             in_plane_rotation(faults, self.mesh, &format!("{path}.rotation"), rotation);
         }
-        self.push(target, path, faults);
-    }
-
-    /// What an obstacle shall exert: a flat body is pushed in its plane, one of revolution
-    /// along its axis.
-    fn push(&self, target: &ObstacleTarget, path: &str, faults: &mut Faults) {
-        let is_flat = self.mesh.cell_kind().dimension() == 2;
-        let is_turned = is_flat && self.scene.kind == Some(SceneKind::Axisymmetric);
-        let keys = [("force", target.force), ("moment", target.moment)];
-        for (key, components) in keys {
-            for (axis, value) in components.into_iter().enumerate() {
-                let Some(value) = value else {
-                    continue;
-                };
-                let path = format!("{path}.{key}.{}", AXES[axis]);
-                faults.finite(&path, &[value]);
-                if is_turned && (key, axis) != ("force", 1) {
-                    faults.add(path, "an axisymmetric body is pushed along y only");
-                } else if is_flat && (key == "force") != (axis < 2) {
-                    faults.add(
-                        path,
-                        "a plane body is pushed along x and y and turned about z",
-                    );
-                }
-            }
-        }
+        let poses = self.poses();
+        let components = [target.force, target.moment];
+        poses.check(path, ["force", "moment"], components, faults);
     }
 
     /// The friction that a step names.
@@ -128,7 +113,7 @@ impl Steps<'_> {
             let message = format!("the scene has no support `{}`{hint}", target.name);
             return faults.add(path, message);
         };
-        let held = support.displacement;
+        let held = support.held();
         for (axis, (value, held)) in target.displacement.iter().zip(held).enumerate() {
             let key = format!("{path}.displacement.{}", AXES[axis]);
             match (value, held) {
@@ -142,6 +127,7 @@ impl Steps<'_> {
         if target.names_motion() {
             self.motion(support, target, path, faults);
         }
+        self.poses().check_target(support, target, path, faults);
     }
 
     /// The rigid motion of a support.
@@ -160,8 +146,7 @@ impl Steps<'_> {
             let path = format!("{path}.translation");
             faults.finite(&path, &translation);
             in_plane(faults, self.mesh, &path, translation);
-            let holds =
-                |axis: usize| support.displacement[axis].is_some() || support.normal.is_some();
+            let holds = |axis: usize| support.held()[axis].is_some() || support.normal.is_some();
             for axis in (0..3).filter(|&axis| translation[axis] != 0.0) {
                 if !holds(axis) {
                     let message = format!("the support does not hold the {} component", AXES[axis]);

@@ -1,5 +1,6 @@
 //! Supports, tractions and pressures: names, groups, values.
 
+use super::support_load::Poses;
 use super::{Faults, Placed, ResolvedPressure, ResolvedTraction, in_plane, names, values};
 use crate::mesh::Mesh;
 use crate::scene::{Profile, Scene, Support};
@@ -17,12 +18,13 @@ pub(crate) fn supports<'a>(
         .iter()
         .map(|support| {
             let path = format!("support.{}", support.name);
-            if support.displacement.iter().all(Option::is_none) && support.normal.is_none() {
+            if support.held().iter().all(Option::is_none) && support.normal.is_none() {
                 faults.add(format!("{path}.displacement"), "holds no component");
             }
             let values = support.displacement.map(|value| value.unwrap_or(0.0));
             faults.finite(&format!("{path}.displacement"), &values);
             in_plane(faults, mesh, &format!("{path}.displacement.z"), values);
+            Poses { scene, mesh }.check_load(support, &path, faults);
             let on = format!("{path}.on");
             let facets = names::facets(mesh, &on, &support.on, faults);
             if let Some(value) = support.normal {

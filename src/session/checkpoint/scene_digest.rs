@@ -12,8 +12,8 @@ use crate::obstacle::surface::{Interpolation, SurfaceShape};
 
 use crate::scene::{
     Formulation, Material, MaterialModel, Modulus, Obstacle, Pressure, Probe, Profile, RubberModel,
-    Scene, SceneKind, Shape, SolverOptions, Support, SurfaceGeometry, ToleranceRule, Traction,
-    Values,
+    Scene, SceneKind, Shape, SolverOptions, Support, SupportLoad, SurfaceGeometry, ToleranceRule,
+    Traction, Values,
 };
 
 /// The digest of `scene`.
@@ -162,6 +162,7 @@ impl Canonical {
             normal,
             profile,
             values,
+            load,
         } = support;
         self.text(name);
         self.texts(on);
@@ -172,6 +173,14 @@ impl Canonical {
             Profile::Parabolic => "parabolic",
         });
         self.values(values.as_ref());
+        if *load != SupportLoad::default() {
+            self.text("load");
+            let all = [load.components(), load.springs()];
+            all.as_flattened()
+                .iter()
+                .for_each(|one| self.optional(*one));
+            self.numbers(&load.about.unwrap_or_default());
+        }
     }
 
     fn traction(&mut self, traction: &Traction) {

@@ -33,6 +33,7 @@ fn scene() -> Scene {
             displacement: [Some(0.0); 3],
             profile: Profile::Constant,
             values: None,
+            load: Default::default(),
         }],
         obstacles: vec![Obstacle {
             name: "ball".to_owned(),
@@ -118,7 +119,7 @@ fn pushed(axis: usize, value: f64) -> Vec<Push> {
 fn every_field_is_read_back_and_changes_the_bytes() {
     let plan = plan();
     let rest = at_rest(&plan);
-    let changes: [fn(&mut Checkpoint); 29] = [
+    let changes: [fn(&mut Checkpoint); 31] = [
         |one| one.steps += 1,
         |one| one.moved = true,
         |one| one.begun = None,
@@ -133,6 +134,8 @@ fn every_field_is_read_back_and_changes_the_bytes() {
                 .iter_mut()
                 .for_each(|begun| begun.pushes = pushed(0, 1.0))
         },
+        |one| one.target.support_pushes = pushed(1, -0.5),
+        |one| one.state.drive.support_pushes = pushed(4, 0.0),
         |one| one.state.displacement[7] = 1e-300,
         |one| one.state.pressure[3] = -2.0,
         |one| one.state.multiplier[1] = f64::MIN_POSITIVE / 4.0,
@@ -210,7 +213,7 @@ fn a_drive_of_other_obstacles_is_refused() {
 
 #[test]
 fn every_key_of_a_scene_counts_but_its_name_and_its_limit_of_time() {
-    let changes: [fn(&mut Scene); 27] = [
+    let changes: [fn(&mut Scene); 31] = [
         |scene| scene.mesh_scale = Some(2.0),
         |scene| scene.kind = Some(SceneKind::Solid),
         |scene| scene.materials[0].group.push('s'),
@@ -235,6 +238,10 @@ fn every_key_of_a_scene_counts_but_its_name_and_its_limit_of_time() {
         |scene| scene.supports[0].displacement[0] = None,
         |scene| scene.supports[0].normal = Some(0.0),
         |scene| scene.supports[0].profile = Profile::Parabolic,
+        |scene| scene.supports[0].load.force[0] = Some(0.0),
+        |scene| scene.supports[0].load.moment[0] = Some(0.0),
+        |scene| scene.supports[0].load.stiffness[0] = Some(0.0),
+        |scene| scene.supports[0].load.about = Some([0.0, 0.0, 1.0]),
         |scene| {
             let (on, value) = (Vec::new(), [0.0; 3]);
             let rest = Traction::default();

@@ -37,7 +37,7 @@ pub(super) fn with<T>(
 pub(super) fn serves(run: &Run<'_>, drive: &Drive) -> bool {
     let step = run.watch.record.step;
     let is_due = (run.model.plan.decisions.response.from).is_some_and(|from| step >= from);
-    is_due && drive.pushes.is_empty() && run.model.conditions.proximal.is_none()
+    is_due && !drive.is_pushed() && run.model.conditions.proximal.is_none()
 }
 
 /// The response, found with the prepared data or made now.
