@@ -313,6 +313,11 @@ class Support(Part):
     profile: str | None = None
     name: str | None = None
     values: Given | None = None
+    force: Components | None = None
+    moment: Components | None = None
+    stiffness: Components | None = None
+    rotational_stiffness: Components | None = None
+    about: Vector | None = None
 
 
 @dataclass(kw_only=True)
@@ -374,6 +379,8 @@ class SupportMove(Part):
     rotation: Vector | None = None
     about: Vector | None = None
     values: Given | None = None
+    force: Components | None = None
+    moment: Components | None = None
 
 
 @dataclass(kw_only=True)

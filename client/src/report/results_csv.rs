@@ -105,6 +105,8 @@ impl Columns {
         for name in &self.supports {
             header.extend(AXES.map(|axis| format!("{name}.force_{axis}")));
             header.extend(AXES.map(|axis| format!("{name}.moment_{axis}")));
+            header.extend(AXES.map(|axis| format!("{name}.translation_{axis}")));
+            header.extend(AXES.map(|axis| format!("{name}.rotation_{axis}")));
         }
         for name in &self.probes {
             header.extend(AXES.map(|axis| format!("{name}.displacement_{axis}")));
@@ -144,6 +146,8 @@ impl Columns {
             let support = report.supports.get(name);
             row.extend(three(support.map(|result| result.force.as_slice())));
             row.extend(three(support.map(|result| result.moment.as_slice())));
+            row.extend(three(support.map(|result| result.translation.as_slice())));
+            row.extend(three(support.map(|result| result.rotation.as_slice())));
         }
         for name in &self.probes {
             let probe = report.probes.get(name);

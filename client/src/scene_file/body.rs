@@ -213,15 +213,36 @@ pub(super) fn name_of(keys: &Keys<'_>, kind: &str, index: usize) -> String {
         .unwrap_or_else(|| format!("{kind}-{}", index + 1))
 }
 
+const SUPPORT: &[&str] = &[
+    "name",
+    "on",
+    "displacement",
+    "normal",
+    "profile",
+    "values",
+    "force",
+    "moment",
+    "stiffness",
+    "rotational_stiffness",
+    "about",
+];
+
+/// Keys of a support one of which has to be there.
+const HOLDING: [&str; 7] = [
+    "displacement",
+    "normal",
+    "values",
+    "force",
+    "moment",
+    "stiffness",
+    "rotational_stiffness",
+];
+
 pub(super) fn supports(scene: &Keys<'_>) -> Vec<v1::Support> {
-    let tables = scene.tables(
-        "support",
-        &["name", "on", "displacement", "normal", "profile", "values"],
-    );
+    let tables = scene.tables("support", SUPPORT);
     let support = |(index, keys): (usize, &Keys<'_>)| {
-        let is_held = ["displacement", "normal", "values"].map(|key| keys.has(key));
-        if !is_held.contains(&true) {
-            let message = "required key is missing (or give normal, or values)";
+        if !HOLDING.iter().any(|key| keys.has(key)) {
+            let message = "required key is missing (or give normal, values, force or stiffness)";
             keys.fault("displacement", message);
         }
         v1::Support {
@@ -231,9 +252,22 @@ pub(super) fn supports(scene: &Keys<'_>) -> Vec<v1::Support> {
             normal: keys.number("normal"),
             profile: keys.choice("profile", PROFILES).map_or(0, i32::from),
             values: values(keys),
+            load: support_load(keys),
         }
     };
     tables.iter().enumerate().map(support).collect()
+}
+
+/// Forces and springs of a support; none where it has no key of theirs.
+fn support_load(keys: &Keys<'_>) -> Option<v1::SupportLoad> {
+    let load = v1::SupportLoad {
+        force: components(keys, "force"),
+        moment: components(keys, "moment"),
+        stiffness: components(keys, "stiffness"),
+        rotational_stiffness: components(keys, "rotational_stiffness"),
+        about: keys.vector("about"),
+    };
+    (load != v1::SupportLoad::default()).then_some(load)
 }
 
 /// Values that a file has, whose rows are read later.

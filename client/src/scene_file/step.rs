@@ -49,7 +49,15 @@ fn obstacles(step: &Keys<'_>) -> Vec<v1::ObstacleTarget> {
 fn supports(step: &Keys<'_>) -> Vec<v1::SupportTarget> {
     let tables = step.named_tables("support");
     let target = |(name, keys): (String, Keys<'_>)| {
-        keys.check(&["displacement", "translation", "rotation", "about", "values"]);
+        keys.check(&[
+            "displacement",
+            "translation",
+            "rotation",
+            "about",
+            "values",
+            "force",
+            "moment",
+        ]);
         if keys.has("displacement") && (keys.has("translation") || keys.has("rotation")) {
             keys.fault_here("give either displacement, or translation and rotation, not both");
         }
@@ -60,6 +68,8 @@ fn supports(step: &Keys<'_>) -> Vec<v1::SupportTarget> {
             rotation: keys.vector("rotation"),
             about: keys.vector("about"),
             values: values(&keys),
+            force: components(&keys, "force"),
+            moment: components(&keys, "moment"),
         }
     };
     tables.into_iter().map(target).collect()

@@ -205,9 +205,17 @@ fn every_key_of_the_contract_reaches_the_message() {
             .iter()
             .map(|support| support.name.as_str())
             .collect::<Vec<_>>(),
-        ["base", "support-2", "skin"]
+        ["base", "support-2", "skin", "sleeve"]
     );
     assert_eq!(scene.supports[1].normal, Some(0.0));
+    let load = scene.supports[3].load.as_ref().expect("a load");
+    let named = [
+        load.force,
+        load.moment,
+        load.stiffness,
+        load.rotational_stiffness,
+    ];
+    assert!(named.iter().all(Option::is_some) && load.about.len() == 3);
     assert_eq!(
         (
             scene.tractions.len(),

@@ -20,6 +20,9 @@ fn report() -> v1::StepReport {
     let support = v1::SupportResult {
         force: vector.clone(),
         moment: vec![0.1, 0.0, 0.0],
+        reference_point: vector.clone(),
+        translation: vector.clone(),
+        rotation: vec![0.0; 3],
     };
     let probe = v1::ProbeResult {
         displacement: vector.clone(),

@@ -150,6 +150,7 @@ fn good_scene(mesh: &Mesh) -> wire::Scene {
             normal: None,
             profile: wire::SupportProfile::Parabolic.into(),
             values: None,
+            load: None,
         }],
         tractions: vec![wire::Traction {
             on: vec!["top".into()],

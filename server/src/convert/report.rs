@@ -267,6 +267,9 @@ fn support(value: SupportResult) -> wire::SupportResult {
     wire::SupportResult {
         force: value.force.to_vec(),
         moment: value.moment.to_vec(),
+        reference_point: value.reference_point.to_vec(),
+        translation: value.translation.to_vec(),
+        rotation: value.rotation.to_vec(),
     }
 }
 

@@ -159,6 +159,8 @@ fn support(target: &wire::SupportTarget, path: &str, faults: &mut Faults) -> Sup
         rotation: faults.optional_vector(&target.rotation, &format!("{path}.rotation")),
         about: faults.optional_vector(&target.about, &format!("{path}.about")),
         values: values(target.values.as_ref(), &format!("{path}.values"), faults),
+        force: components(target.force),
+        moment: components(target.moment),
     }
 }
 

@@ -82,6 +82,8 @@ struct Pressed {
 struct Reaction {
     force: Vec<f64>,
     moment: Vec<f64>,
+    translation: Vec<f64>,
+    rotation: Vec<f64>,
 }
 
 /// A point of the residual: iterations of the run so far, the residual, the increment.
@@ -167,6 +169,8 @@ fn reaction(support: &Support) -> Reaction {
     Reaction {
         force: support.force.clone(),
         moment: support.moment.clone(),
+        translation: support.translation.clone(),
+        rotation: support.rotation.clone(),
     }
 }
 

@@ -84,6 +84,10 @@ pub(super) struct Support {
     pub(super) force: Vec<f64>,
     #[serde(deserialize_with = "numbers")]
     pub(super) moment: Vec<f64>,
+    #[serde(deserialize_with = "numbers")]
+    pub(super) translation: Vec<f64>,
+    #[serde(deserialize_with = "numbers")]
+    pub(super) rotation: Vec<f64>,
 }
 
 /// Values at a probe.

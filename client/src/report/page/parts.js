@@ -165,9 +165,15 @@ function increments(data) {
 }
 
 function reactions(last) {
-  const head = el("thead", {}, el("tr", {}, ["", named("force", unit("force")), named("moment", unit("force") && unit("length") && `${unit("force")} ${unit("length")}`)].map((text) => el("th", {}, text))));
-  const rows = Object.entries(last.supports).map(([name, { force, moment }]) =>
-    el("tr", {}, el("th", {}, name), el("td", {}, vector(force)), el("td", {}, vector(moment))));
+  const moves = ({ translation, rotation }) => [...translation, ...rotation].some((value) => value !== 0);
+  const isMoved = Object.values(last.supports).some(moves);
+  const titles = ["", named("force", unit("force")), named("moment", unit("force") && unit("length") && `${unit("force")} ${unit("length")}`)];
+  const motion = isMoved ? [named("translation", unit("length")), "rotation (rad)"] : [];
+  const head = el("thead", {}, el("tr", {}, [...titles, ...motion].map((text) => el("th", {}, text))));
+  const rows = Object.entries(last.supports).map(([name, one]) => {
+    const cells = [one.force, one.moment, ...(isMoved ? [one.translation, one.rotation] : [])];
+    return el("tr", {}, el("th", {}, name), cells.map((cell) => el("td", {}, vector(cell))));
+  });
   return rows.length ? [el("h2", {}, "Reactions of the supports"), el("table", { class: "words" }, head, el("tbody", {}, rows))] : [];
 }
 

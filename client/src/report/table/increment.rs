@@ -88,16 +88,28 @@ pub(super) fn loads(lines: &mut Lines, report: &v1::StepReport, travels: &Travel
     let supports = report.supports.iter();
     lines.add_each(
         "support",
-        supports.map(|(name, support)| {
-            let (force, moment) = (vector(&support.force), vector(&support.moment));
-            (name.as_str(), format!("force {force}, moment {moment}"))
-        }),
+        supports.map(|(name, support)| (name.as_str(), reaction(support))),
     );
     let probes = report.probes.iter();
     lines.add_each(
         "probe",
         probes.map(|(name, probe)| (name.as_str(), probed(probe))),
     );
+}
+
+/// Force and moment of a support, and how it has moved where it has.
+fn reaction(support: &v1::SupportResult) -> String {
+    let (force, moment) = (vector(&support.force), vector(&support.moment));
+    let motions = [
+        ("translation", &support.translation),
+        ("rotation", &support.rotation),
+    ];
+    let moved = motions
+        .into_iter()
+        .filter(|(_, values)| values.iter().any(|&x| x != 0.0));
+    let moved = moved.map(|(name, values)| format!(", {name} {}", vector(values)));
+    let moved: String = moved.collect();
+    format!("force {force}, moment {moment}{moved}")
 }
 
 /// The force of an obstacle along its travel, and as a vector.

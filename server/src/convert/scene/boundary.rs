@@ -1,6 +1,8 @@
 //! What acts on the surface of the body: supports, loads, obstacles.
 
-use signorini::scene::{Obstacle, PenetrationPolicy, Pressure, Profile, Support, Traction};
+use signorini::scene::{
+    Obstacle, PenetrationPolicy, Pressure, Profile, Support, SupportLoad, Traction,
+};
 use signorini_proto::v1 as wire;
 
 use super::super::uploaded::SurfacesByName;
@@ -33,6 +35,17 @@ pub(super) fn support(message: wire::Support, index: usize, faults: &mut Faults)
         normal: message.normal,
         profile: profile(message.profile, &path, faults),
         values,
+        load: load(message.load.unwrap_or_default(), &path, faults),
+    }
+}
+
+fn load(message: wire::SupportLoad, path: &str, faults: &mut Faults) -> SupportLoad {
+    SupportLoad {
+        force: components(message.force),
+        moment: components(message.moment),
+        stiffness: components(message.stiffness),
+        rotational_stiffness: components(message.rotational_stiffness),
+        about: faults.optional_vector(&message.about, &format!("{path}.about")),
     }
 }
 
