@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hyper::StatusCode;
+use hyper::http::request::Parts;
 use tokio::task::JoinHandle;
 
 use crate::config::Config;
@@ -12,7 +13,7 @@ use crate::journal::Journal;
 use crate::registry::Registry;
 use crate::session::Services;
 use crate::watch::metrics::Metrics;
-use crate::watch::page::{self, Answers};
+use crate::watch::page::{self, Answer, Answers};
 
 const UPKEEP: Duration = Duration::from_secs(5);
 /// How often the data folder is looked through for results that shall go.
@@ -75,14 +76,15 @@ pub(crate) struct Page {
 }
 
 impl Answers for Page {
-    fn answer(&self, path: &str) -> (StatusCode, String) {
-        match path {
+    async fn answer(&self, request: &Parts) -> Answer {
+        let (status, text) = match request.uri.path() {
             "/metrics" => (StatusCode::OK, self.metrics.render()),
             "/healthz" => self.health(),
             "/livez" => (StatusCode::OK, "ok\n".to_owned()),
             "/" => (StatusCode::OK, self.help()),
             _ => (StatusCode::NOT_FOUND, self.help()),
-        }
+        };
+        Answer::plain(status, text)
     }
 }
 

@@ -1,5 +1,6 @@
-//! The page of an operator, plain HTTP on a port of its own: `/metrics` for Prometheus, `/healthz`
-//! and `/livez` for probes, and `/`, which says so. That of a server is on loopback.
+//! The pages of an operator, plain HTTP on a port of their own: `/metrics` for Prometheus,
+//! `/healthz` and `/livez` for probes, `/live` for a browser, and `/`, which says so. Those of a
+//! server are on loopback.
 
 use std::convert::Infallible;
 #[cfg(feature = "fleet")]
@@ -9,22 +10,43 @@ use std::time::Duration;
 use bytes::Bytes;
 use http_body_util::Full;
 use hyper::body::Incoming;
+use hyper::http::request::Parts;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
-use hyper::{Method, Request, Response, StatusCode, header};
+use hyper::{HeaderMap, Method, Request, Response, StatusCode, header};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use tokio::net::TcpListener;
 
-const CONTENT_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
+/// Of everything but the live page.
+const PLAIN: &str = "text/plain; version=0.0.4; charset=utf-8";
 /// A client that sends its request more slowly is dropped.
 const HEADER_TIME: Duration = Duration::from_secs(5);
 /// Pause after a failed accept, such as for want of file descriptors.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
+/// What a page answers.
+pub(crate) struct Answer {
+    pub(crate) status: StatusCode,
+    pub(crate) headers: HeaderMap,
+    pub(crate) body: Bytes,
+}
+
+impl Answer {
+    /// Text for programs and people.
+    pub(crate) fn plain(status: StatusCode, text: String) -> Self {
+        let kind = header::HeaderValue::from_static(PLAIN);
+        Self {
+            status,
+            headers: [(header::CONTENT_TYPE, kind)].into_iter().collect(),
+            body: text.into(),
+        }
+    }
+}
+
 /// What stands on such pages.
 pub(crate) trait Answers: Clone + Send + Sync + 'static {
-    /// What is there at a path.
-    fn answer(&self, path: &str) -> (StatusCode, String);
+    /// What is there for a request.
+    fn answer(&self, request: &Parts) -> impl Future<Output = Answer> + Send;
 }
 
 /// Serves pages until it is dropped.
@@ -44,8 +66,8 @@ pub(crate) async fn serve(listener: TcpListener, page: impl Answers) {
 
 async fn answer(stream: TokioIo<tokio::net::TcpStream>, page: impl Answers) {
     let service = service_fn(move |request: Request<Incoming>| {
-        let response = respond(&page, request.method(), request.uri().path());
-        async move { Ok::<_, Infallible>(response) }
+        let page = page.clone();
+        async move { Ok::<_, Infallible>(respond(&page, &request.into_parts().0).await) }
     });
     let outcome = http1::Builder::new()
         .timer(TokioTimer::new())
@@ -67,15 +89,16 @@ struct Plain(Arc<dyn Fn() -> String + Send + Sync>);
 
 #[cfg(feature = "fleet")]
 impl Answers for Plain {
-    fn answer(&self, path: &str) -> (StatusCode, String) {
-        match path {
+    async fn answer(&self, request: &Parts) -> Answer {
+        let (status, text) = match request.uri.path() {
             "/metrics" => (StatusCode::OK, (self.0)()),
             "/healthz" | "/livez" => (StatusCode::OK, "ok\n".to_owned()),
             _ => (
                 StatusCode::NOT_FOUND,
                 "/metrics  for Prometheus\n".to_owned(),
             ),
-        }
+        };
+        Answer::plain(status, text)
     }
 }
 
@@ -87,24 +110,20 @@ pub async fn serve_metrics(listener: TcpListener, render: Arc<dyn Fn() -> String
 }
 
 /// The answer; of one to HEAD hyper sends the headers.
-fn respond(page: &impl Answers, method: &Method, path: &str) -> Response<Full<Bytes>> {
-    if ![Method::GET, Method::HEAD].contains(method) {
+async fn respond(page: &impl Answers, request: &Parts) -> Response<Full<Bytes>> {
+    if ![Method::GET, Method::HEAD].contains(&request.method) {
         let text = "only GET and HEAD are answered\n".to_owned();
-        return response(StatusCode::METHOD_NOT_ALLOWED, text);
+        let mut refusal = Answer::plain(StatusCode::METHOD_NOT_ALLOWED, text);
+        let allowed = header::HeaderValue::from_static("GET, HEAD");
+        refusal.headers.insert(header::ALLOW, allowed);
+        return response(refusal);
     }
-    let (status, text) = page.answer(path);
-    response(status, text)
+    response(page.answer(request).await)
 }
 
-fn response(status: StatusCode, text: String) -> Response<Full<Bytes>> {
-    let mut response = Response::new(Full::new(Bytes::from(text)));
-    *response.status_mut() = status;
-    let headers = response.headers_mut();
-    let kind = header::HeaderValue::from_static(CONTENT_TYPE);
-    headers.insert(header::CONTENT_TYPE, kind);
-    if status == StatusCode::METHOD_NOT_ALLOWED {
-        let allowed = header::HeaderValue::from_static("GET, HEAD");
-        headers.insert(header::ALLOW, allowed);
-    }
+fn response(answer: Answer) -> Response<Full<Bytes>> {
+    let mut response = Response::new(Full::new(answer.body));
+    *response.status_mut() = answer.status;
+    *response.headers_mut() = answer.headers;
     response
 }
