@@ -42,6 +42,17 @@ const QUANTUM: Duration = Duration::from_millis(20);
 
 type Job = Box<dyn FnOnce(&Slot) + Send>;
 
+/// How much the solver threads have to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Load {
+    /// Slots that there are.
+    pub(crate) slots: usize,
+    /// Those of them at work.
+    pub(crate) busy: usize,
+    /// Jobs that wait for one.
+    pub(crate) waiting: usize,
+}
+
 /// How long a job will take, as far as is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Length {
@@ -119,6 +130,11 @@ impl SolverThreads {
     /// Jobs of `client` that wait for a slot.
     pub(crate) fn waiting(&self, client: ClientKey) -> usize {
         self.queue.lock().jobs.waiting(&client.path())
+    }
+
+    /// What there is to do just now.
+    pub(crate) fn load(&self) -> Load {
+        self.queue.load()
     }
 
     /// Runs `work` of `flow` on a slot; `done` gets its value or its panic, on

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use ::metrics::Gauge;
 
 use super::fair_queue::FairQueue;
-use super::{Job, LONG, Length};
+use super::{Job, LONG, Length, Load};
 use crate::config::Slots;
 use crate::door::client_key::{Flow, Share};
 use crate::watch::metrics::Metrics;
@@ -127,6 +127,15 @@ impl JobQueue {
     pub(super) fn lock(&self) -> MutexGuard<'_, Backlog> {
         // Jobs run outside the lock, so a poisoned state is whole.
         self.backlog.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn load(&self) -> Load {
+        let state = self.lock();
+        Load {
+            slots: self.slots.count,
+            busy: self.slots.count - state.free.len(),
+            waiting: state.jobs.len(),
+        }
     }
 
     pub(super) fn show_residual(&self, slot: usize, residual: f64) {

@@ -8,6 +8,7 @@ use signorini_proto::v1 as wire;
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::time::Instant;
 
+use super::glance::Glance;
 use crate::convert::field::Encoding;
 use crate::convert::step::Update;
 use crate::door::client_key::ClientKey;
@@ -81,6 +82,8 @@ pub(crate) enum Command {
     Describe(oneshot::Sender<wire::Session>),
     /// As `Describe`, without renewing the time to live.
     List(oneshot::Sender<wire::Session>),
+    /// What it does, without renewing the time to live.
+    Glance(oneshot::Sender<Glance>),
     /// Answered when every command before it is handled.
     Handled(oneshot::Sender<()>),
     Read(ReadRequest, oneshot::Sender<Result<ReadAnswer, Fault>>),
@@ -151,6 +154,11 @@ impl Handle {
     /// Current description; the session may expire as if nobody had asked.
     pub(crate) async fn list(&self) -> Result<wire::Session, Fault> {
         self.ask(Command::List).await
+    }
+
+    /// What it does just now; the session may expire as if nobody had asked.
+    pub(crate) async fn glance(&self) -> Result<Glance, Fault> {
+        self.ask(Command::Glance).await
     }
 
     /// Returns when every command sent before is handled.

@@ -8,6 +8,7 @@
 
 mod actor;
 mod clock;
+mod glance;
 mod handle;
 mod queue;
 mod recovered;
@@ -35,6 +36,7 @@ use crate::uploads::surfaces::Surfaces;
 use crate::watch::metrics::Metrics;
 use crate::watch::traces::Traces;
 
+pub(crate) use glance::{Glance, Latest, Runs};
 pub(crate) use recovered::Recovered;
 
 pub(crate) use handle::{Attachment, Command, Handle, OpenRequest, ReadRequest, Role};

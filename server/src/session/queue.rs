@@ -264,6 +264,11 @@ impl UpdateQueue {
         self.waiting.front_mut()
     }
 
+    /// As [`Self::current`], to look at.
+    pub(super) fn first(&self) -> Option<&Accepted> {
+        self.waiting.front()
+    }
+
     /// Sequence of the current update; 0 without one.
     pub(super) fn current_sequence(&self) -> i64 {
         self.waiting.front().map_or(0, |accepted| accepted.sequence)

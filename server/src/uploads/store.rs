@@ -23,6 +23,18 @@ pub(crate) use contents::Lease;
 use contents::{Contents, PreparedEntry, entry, uses};
 pub(crate) use reservation::{Account, Reservation};
 
+/// How much a store holds, counts and bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Held {
+    pub(crate) meshes: usize,
+    pub(crate) mesh_bytes: u64,
+    /// Prepared bodies, shared by sessions on the same scene.
+    pub(crate) prepared: usize,
+    pub(crate) prepared_bytes: u64,
+    /// Of sessions and uploads.
+    pub(crate) session_bytes: u64,
+}
+
 /// The store.
 pub(crate) struct Store {
     inner: Mutex<Contents>,
@@ -41,6 +53,18 @@ impl Store {
         };
         store.report(&store.lock());
         Arc::new(store)
+    }
+
+    /// How much is held just now.
+    pub(crate) fn held(&self) -> Held {
+        let inner = self.lock();
+        Held {
+            meshes: inner.meshes.len(),
+            mesh_bytes: inner.mesh_bytes(),
+            prepared: inner.prepared.len(),
+            prepared_bytes: inner.prepared_bytes(),
+            session_bytes: inner.reserved,
+        }
     }
 
     /// Bytes that may be held.

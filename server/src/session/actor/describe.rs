@@ -11,7 +11,9 @@ use super::{Actor, Place};
 use crate::convert::{mesh, wide};
 use crate::fault::Fault;
 use crate::fault::status;
+use crate::session::glance::{Glance, Latest, Runs};
 use crate::session::handle::{ReadAnswer, ReadRequest};
+use crate::session::queue::Accepted;
 
 impl Actor {
     pub(super) fn read(&self, request: &ReadRequest) -> Result<ReadAnswer, Fault> {
@@ -52,6 +54,28 @@ impl Actor {
             // Answered where it is asked for: it may be large.
             scene: None,
             watcher_count: i32::try_from(self.watchers.len()).unwrap_or(i32::MAX),
+        }
+    }
+
+    pub(super) fn glance(&self) -> Glance {
+        Glance {
+            session: wire::Session {
+                plan: None,
+                ..self.describe()
+            },
+            waiting: self.queue.len().saturating_sub(1),
+            runs: self.queue.first().map(|one| self.runs(one)),
+            latest: self.last_report.as_ref().map(Latest::of),
+        }
+    }
+
+    fn runs(&self, update: &Accepted) -> Runs {
+        let newest = self.iterations.newest();
+        Runs {
+            sequence: update.sequence,
+            increments: update.step.increments,
+            done: update.results,
+            iteration: (newest.sequence == update.sequence).then_some(newest.report),
         }
     }
 

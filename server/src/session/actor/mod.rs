@@ -216,7 +216,7 @@ impl Actor {
     }
 
     fn command(&mut self, command: Command) {
-        if !matches!(command, Command::List(_)) {
+        if !matches!(command, Command::List(_) | Command::Glance(_)) {
             self.expires = after(self.spec.ttl);
         }
         match command {
@@ -244,6 +244,7 @@ impl Actor {
             }
             Command::Cancel(sequence, reply) => answer(reply, self.cancel(sequence)),
             Command::Describe(reply) | Command::List(reply) => answer(reply, self.describe()),
+            Command::Glance(reply) => answer(reply, self.glance()),
             Command::Handled(reply) => answer(reply, ()),
             Command::Read(request, reply) => answer(reply, self.read(&request)),
             Command::Export(reply) => self.visit(Visit::Export(reply)),
