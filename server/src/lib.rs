@@ -11,7 +11,7 @@
 //! | `process` | what the operating system gives and tells | nothing |
 //! | `fault` | what can be wrong with a request, and its status | nothing |
 //! | `config` | settings | `process` |
-//! | `watch` | metrics, log, traces, doctor | the above |
+//! | `watch` | metrics, live page, log, traces, doctor | the above |
 //! | `door` | connections and layers before the services | the above |
 //! | `convert` | between wire and domain types | `config`, `fault` |
 //! | `compute` | solver threads and their queue | `config`, `door`, `watch` |

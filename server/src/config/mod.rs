@@ -90,7 +90,8 @@ pub struct Config {
     pub reflection: bool,
     /// Whether gRPC health is served, to everybody who reaches the address.
     pub health: bool,
-    /// Where the Prometheus page `/metrics` is served, loopback only; empty: nowhere.
+    /// Where the Prometheus page `/metrics` and the live page `/live` are served, loopback only;
+    /// empty: nowhere.
     pub metrics_listen: String,
     /// Solves that run at one time, at least 1.
     pub solver_slots: usize,
@@ -296,6 +297,11 @@ impl Config {
             (None, Some((key, _))) => Err(range(key, "at most 2592000, which is 30 days")),
             (None, None) => Ok(()),
         }
+    }
+
+    /// Whether the service is at a socket that only its owner may open.
+    pub(crate) fn is_private(&self) -> bool {
+        self.listen.starts_with("unix:")
     }
 
     /// The file that says who may do what, where somebody is asked.

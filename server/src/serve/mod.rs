@@ -2,8 +2,9 @@
 //!
 //! Shutdown: health says NOT_SERVING, new work is refused, running steps are
 //! cancelled and their last good states delivered, streams end, threads join.
-//! `upkeep` is what a server does by itself meanwhile.
+//! `upkeep` is what a server does by itself meanwhile, `live` what it shows of that.
 
+mod live;
 mod upkeep;
 
 use std::future::Future;
@@ -51,6 +52,7 @@ use crate::uploads::store::Store;
 use crate::uploads::surfaces::Surfaces;
 use crate::watch::metrics::{COMMIT, Metrics};
 use crate::watch::traces::Traces;
+use live::LivePage;
 use upkeep::Page;
 
 /// The layers around all services, the innermost first.
@@ -149,6 +151,8 @@ pub async fn serve_and_tell(
         metrics: Arc::clone(&services.metrics),
         registry: Arc::clone(&registry),
         service: listener.url().into(),
+        live: LivePage::new(&services, &registry, &access)
+            .map_err(|error| setup("the live page", &error))?,
     };
     let mut helpers = upkeep::start(page, &services, &registry, listener.metrics);
     helpers.push(tokio::spawn(Arc::clone(&registry).keep_leases()));

@@ -7,6 +7,7 @@ use hyper::StatusCode;
 use hyper::http::request::Parts;
 use tokio::task::JoinHandle;
 
+use super::live::LivePage;
 use crate::config::Config;
 use crate::data::control;
 use crate::journal::Journal;
@@ -73,11 +74,15 @@ pub(crate) struct Page {
     pub(crate) registry: Arc<Registry>,
     /// Where the service itself listens.
     pub(crate) service: Arc<str>,
+    /// What runs just now.
+    pub(crate) live: Arc<LivePage>,
 }
 
 impl Answers for Page {
     async fn answer(&self, request: &Parts) -> Answer {
         let (status, text) = match request.uri.path() {
+            "/live" => return self.live.page(),
+            "/live.json" => return self.live.data(&request.headers).await,
             "/metrics" => (StatusCode::OK, self.metrics.render()),
             "/healthz" => self.health(),
             "/livez" => (StatusCode::OK, "ok\n".to_owned()),
@@ -99,6 +104,7 @@ impl Page {
     fn help(&self) -> String {
         format!(
             "Signorini {}\n\n\
+             /live     sessions, what runs, memory, for a browser\n\
              /metrics  for Prometheus\n\
              /healthz  200 while the server takes work, 503 while it shuts down\n\
              /livez    200 while it answers at all\n\n\

@@ -5,11 +5,13 @@
 //! |---|---|
 //! | `metrics` | every metric, with its name, buckets and text |
 //! | `page` | plain HTTP for Prometheus and probes |
+//! | `live` | a page of what runs just now, for a browser |
 //! | `log` | lines on stderr, for people or as JSON |
 //! | `traces` | spans of solves for a collector of OpenTelemetry |
 //! | `doctor` | processor, memory, descriptors, loopback, clock and disk |
 
 pub(crate) mod doctor;
+pub(crate) mod live;
 pub(crate) mod log;
 pub(crate) mod metrics;
 pub(crate) mod page;

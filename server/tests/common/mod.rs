@@ -26,7 +26,7 @@ use tonic_types::StatusExt;
 
 pub(crate) use block::Block;
 #[allow(unused_imports, reason = "every test file uses its part")]
-pub(crate) use page::{answer, page, sample};
+pub(crate) use page::{answer, answer_to, page, sample};
 #[allow(unused_imports, reason = "every test file uses its part")]
 pub(crate) use process::{Process, folder};
 #[allow(unused_imports, reason = "every test file uses its part")]

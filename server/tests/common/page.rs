@@ -9,6 +9,11 @@ pub(crate) async fn page(url: &str) -> String {
 
 /// What the server of a metrics page answers.
 pub(crate) async fn answer(url: &str, method: &str, path: &str) -> String {
+    answer_to(url, &format!("{method} {path}"), &[]).await
+}
+
+/// What it answers to a method and path with further headers, `Host` among them or not.
+pub(crate) async fn answer_to(url: &str, asked: &str, headers: &[(&str, &str)]) -> String {
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
     let address = url
         .strip_prefix("http://")
@@ -16,9 +21,17 @@ pub(crate) async fn answer(url: &str, method: &str, path: &str) -> String {
         .strip_suffix("/metrics")
         .unwrap();
     let mut stream = tokio::net::TcpStream::connect(address).await.unwrap();
-    let request =
-        format!("{method} {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
-    stream.write_all(request.as_bytes()).await.unwrap();
+    let mut request = format!("{asked} HTTP/1.1\r\nConnection: close\r\n");
+    if !headers.iter().any(|(name, _)| *name == "Host") {
+        request += &format!("Host: {address}\r\n");
+    }
+    for (name, value) in headers {
+        request += &format!("{name}: {value}\r\n");
+    }
+    stream
+        .write_all((request + "\r\n").as_bytes())
+        .await
+        .unwrap();
     let mut answer = String::new();
     stream.read_to_string(&mut answer).await.unwrap();
     answer

@@ -12,6 +12,7 @@ mod cancels;
 mod compared;
 mod deploy;
 mod limits;
+mod live;
 mod meshes;
 mod operation;
 mod quotas;

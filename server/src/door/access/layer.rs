@@ -12,7 +12,7 @@ use tonic::codegen::http;
 
 use super::audit::{Line, Who};
 use super::table::{Effect, Need, rule};
-use super::{Access, CallRates, Caller, Entry, TokenFile};
+use super::{Access, CallRates, Caller, Entry, Role, TokenFile};
 use crate::door::client_key::{ClientIdentity, Peer};
 use crate::door::client_name::ClientName;
 use crate::door::layer::{Answer, AroundCall, Reply, Request, Response};
@@ -73,10 +73,7 @@ impl Authorize {
                 let entry = entry(&tokens.borrow(), request)?;
                 // Before the role is looked at: a refusal has a name, too.
                 name(request, entry.name());
-                if entry.role() < needed {
-                    let (role, needed) = (entry.role().name(), needed.name());
-                    return Err(Fault::PermissionDenied { role, needed });
-                }
+                check_role(&entry, needed)?;
                 Caller::known(entry, tokens)
             }
         };
@@ -93,6 +90,39 @@ impl Authorize {
         refusal::record(&self.metrics, &fault);
         Status::from(fault).into_http()
     }
+}
+
+impl Access {
+    /// Who looks, by plain HTTP, at what [`Role::Read`] may see: the bearer of a token, or
+    /// anybody where nobody is asked.
+    ///
+    /// # Errors
+    /// `Unauthenticated` without a token of the file.
+    pub(crate) fn reader(&self, headers: &http::HeaderMap) -> Result<Caller, Fault> {
+        let Some(tokens) = &self.tokens else {
+            return Ok(Caller::anybody());
+        };
+        let tokens = tokens.sender.subscribe();
+        let shown = headers.get(http::header::AUTHORIZATION).and_then(token);
+        let found = shown.and_then(|token| tokens.borrow().of_token(token).cloned());
+        let entry = found.ok_or(Fault::Unauthenticated)?;
+        check_role(&entry, Role::Read)?;
+        Ok(Caller::known(entry, tokens))
+    }
+
+    /// Whether callers have to prove who they are.
+    pub(crate) fn asks(&self) -> bool {
+        self.tokens.is_some()
+    }
+}
+
+/// Refuses an entry whose role is below what is needed.
+fn check_role(entry: &Entry, needed: Role) -> Result<(), Fault> {
+    if entry.role() < needed {
+        let (role, needed) = (entry.role().name(), needed.name());
+        return Err(Fault::PermissionDenied { role, needed });
+    }
+    Ok(())
 }
 
 /// Whether a request is a call: `application/grpc`, with a kind of messages or parameters after

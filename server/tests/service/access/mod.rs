@@ -1,5 +1,6 @@
 //! Who may do what: roles, owners, transport security, and all of it changing while the server runs.
 
+mod live;
 mod owners;
 mod product;
 mod reload;
