@@ -208,8 +208,8 @@ impl Plan {
         if self.is_axisymmetric() {
             push(
                 "measure",
-                "full turns about the axis x = 0".into(),
-                "every point of the section is a ring",
+                "the whole ring about the axis x = 0".into(),
+                "forces, volumes and energies are not per radian",
             );
         }
         if !self.problem.resolved.pressures.is_empty() {
@@ -221,8 +221,8 @@ impl Plan {
         }
         push(
             "tangent",
-            "from F and p at quadrature points, never stored as a matrix".into(),
-            "both change with every iteration",
+            "applied cell by cell, not stored as a matrix".into(),
+            "it changes with every iteration, and takes less memory so",
         );
         push(
             "stability",
@@ -235,14 +235,12 @@ impl Plan {
                 "asked for",
             ),
             None if self.snaps_through() => (
-                "none; mu or more of pointwise volume change where that alone keeps an equilibrium"
-                    .into(),
-                "a body snaps through, but not where the element pair does",
+                "none, or 1 mu or more where the mesh has no stable state without it".into(),
+                "suppresses snap-through of the mesh, not of the body; results tell the `penalty`",
             ),
             None => (
-                "none; 4 mu or more of pointwise volume change from where an equilibrium is lost"
-                    .into(),
-                "hats, or no descent: equilibria end with the element pair's",
+                "none, or 4 mu or more from where an equilibrium is lost".into(),
+                "suppresses instabilities of the mesh; results tell the `penalty`",
             ),
         };
         push("penalty", penalty, reason);

@@ -41,11 +41,11 @@ pub(super) fn entries(
         let way = between(|pose| pose.translation) / units.length;
         let turn = between(|pose| pose.rotation).to_degrees();
         let way = match (way > 0.0, turn > 0.0) {
-            (false, false) => "is not led".to_owned(),
-            (true, false) => format!("goes {way:.3} lengths of the body"),
+            (false, false) => "no prescribed motion".to_owned(),
+            (true, false) => format!("moves by {way:.3} lengths of the body"),
             (false, true) => format!("turns by {turn:.0} degrees"),
             (true, true) => {
-                format!("goes {way:.3} lengths of the body, turns by {turn:.0} degrees")
+                format!("moves by {way:.3} lengths of the body, turns by {turn:.0} degrees")
             }
         };
         PlanEntry {

@@ -319,5 +319,5 @@ fn the_plan_says_what_may_touch_a_tool_and_how_far_it_goes() {
     let tool = decisions.iter().find(|one| one.what == "obstacle tool");
     let tool = tool.expect("an entry");
     assert!(tool.choice.starts_with("32 faces, "), "{tool:?}");
-    assert_eq!(tool.reason, "goes 0.250 lengths of the body");
+    assert_eq!(tool.reason, "moves by 0.250 lengths of the body");
 }
