@@ -151,10 +151,10 @@ fn line(report: &v1::IterationReport, columns: usize, increments: u64) -> String
     let taken = 4 + 2 * digits + 1 + 8 + bar + 1;
     let room = columns.saturating_sub(taken);
     let parts = [
-        format!("residual {:.1e}", largest(report)),
-        format!("touching {}", report.active_vertices),
+        residual(largest(report)),
+        format!("in contact {}", report.active_vertices),
         format!("iterations {}", report.krylov_iterations),
-        format!("round {}", report.sqp_iteration),
+        format!("SQP {}", report.sqp_iteration),
     ];
     let mut line = format!("step {}.{}", report.step, report.increment);
     for part in parts {
@@ -165,6 +165,16 @@ fn line(report: &v1::IterationReport, columns: usize, increments: u64) -> String
         line.push_str(&part);
     }
     line
+}
+
+/// The residual in words. It is relative: above one it says only that the search for the
+/// equilibrium is far from it, however large it is.
+fn residual(value: f64) -> String {
+    if value > 1.0 {
+        "residual > 1".to_owned()
+    } else {
+        format!("residual {value:.1e}")
+    }
 }
 
 fn largest(report: &v1::IterationReport) -> f64 {
@@ -196,13 +206,19 @@ mod tests {
     }
 
     #[test]
+    fn a_residual_above_one_is_no_number_to_read() {
+        assert_eq!(residual(2.2e8), "residual > 1");
+        assert_eq!(residual(1.0), "residual 1.0e0");
+    }
+
+    #[test]
     fn numbers_are_whole_at_every_width() {
         for (columns, expected) in [
             (
                 120,
-                "step 12.34  residual 1.2e-7  touching 1180  iterations 14070",
+                "step 12.34  residual 1.2e-7  in contact 1180  iterations 14070",
             ),
-            (80, "step 12.34  residual 1.2e-7  touching 1180"),
+            (80, "step 12.34  residual 1.2e-7  in contact 1180"),
             (60, "step 12.34  residual 1.2e-7"),
             (20, "step 12.34"),
         ] {

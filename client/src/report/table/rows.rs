@@ -69,7 +69,7 @@ impl Columns {
                 "obstacle"
             };
             text.push_str(&format!(
-                "force of each {of} along its travel, its size where it stands still\n"
+                "force of each {of}: component along its motion, or magnitude if it rests\n"
             ));
         }
         let hidden = report.obstacles.len().saturating_sub(MOST);
