@@ -123,7 +123,7 @@ fn far_away(mesh: &Mesh, units: &Units) -> Option<String> {
     (ratio > FAR).then(|| {
         let rounding = f64::EPSILON * ratio;
         format!(
-            "the body lies {ratio:.0e} of its lengths away from the origin: its coordinates keep {rounding:.0e} of a length; move it and its obstacles to the origin"
+            "the body lies {ratio:.0e} of its lengths away from the origin: rounding of coordinates is {rounding:.0e} of its size; move it and its obstacles to the origin"
         )
     })
 }

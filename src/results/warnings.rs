@@ -282,7 +282,7 @@ fn lost_in_contrast(model: &Model<'_>) -> Option<Warning> {
             WarningKind::LostDigits,
             "",
             Some(contrast),
-            format!("moduli are {contrast:.0e} apart: forces of the soft part keep {rounding:.0e} of themselves only"),
+            format!("moduli are {contrast:.0e} apart: the relative accuracy of forces in the soft part is about {rounding:.0e}"),
         )
     })
 }

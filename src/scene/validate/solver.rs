@@ -78,7 +78,7 @@ fn combinations(scene: &Scene, formulated: Formulated, faults: &mut Faults) {
     }
     if let Some(method) = fixed {
         let name = method.name();
-        let reason = format!("changes from call to call, which `{name}` cannot bear; `gcr` can");
+        let reason = format!("is not constant, which `{name}` needs; use `gcr`");
         refuse("p1_solver", P1Solver::IcCg.name(), &reason);
     }
     if has_contact {
