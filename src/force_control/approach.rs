@@ -91,23 +91,25 @@ pub(super) fn lead_body(run: &mut Run<'_>, controls: &[Control], goal: &[f64]) -
         return None;
     }
     let is_push = |control: &Control| control.is_of_support() && control.axis < 3;
-    let pairs = controls.iter().zip(goal);
-    let push = pairs.map(|(control, goal)| if is_push(control) { *goal } else { 0.0 });
-    let push: Vec<f64> = push.collect();
-    let size = norm(&push);
-    let mut back = [0.0; 3];
-    for (control, part) in controls.iter().zip(&push) {
-        back[control.axis % 3] -= part;
+    let mut along = [0.0; 3];
+    let pushes = controls.iter().zip(goal);
+    for (control, part) in pushes.filter(|(control, _)| is_push(control)) {
+        along[control.axis] += part;
     }
-    if norm(&back) == 0.0 {
+    let size = norm(&along);
+    if size == 0.0 {
         return None;
     }
-    let way = nearest(run, 0..obstacles, back)?;
-    Some(
-        push.iter()
-            .map(|part| (way + ADVANCES[0]) * part / size)
-            .collect(),
-    )
+    // As a whole: every support by the same motion.
+    let way = nearest(run, 0..obstacles, along.map(|part| -part))? + ADVANCES[0];
+    let step = controls.iter().map(|control| {
+        if is_push(control) {
+            way * along[control.axis] / size
+        } else {
+            0.0
+        }
+    });
+    Some(step.collect())
 }
 
 /// How far the nearest of `obstacles` is along `way`; none where no one is met.

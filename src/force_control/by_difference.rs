@@ -37,6 +37,10 @@ pub(super) fn by_difference(
     controls: &[Control],
     misfit: &[f64],
 ) -> PushStiffness {
+    // About the points that the forces belong to, as exactly as the differences want it.
+    let base = run.state.drive.about_like(drive);
+    let sharp = run.model.conditions.tolerance.max(SHARP);
+    accuracy::solve(&mut run.to(sharp), &base);
     let kept = run.state.clone();
     let before = applied(&run.model, run.state, drive);
     let mut columns = Vec::new();

@@ -89,6 +89,9 @@ struct Balance {
     stiffness: Option<PushStiffness>,
     /// How much stiffer than the metric says the body has shown to be after touch.
     stiffer: f64,
+    /// The largest force that supports have exerted at the start: what one that is released to
+    /// nothing is measured by. Zero without pushed supports.
+    begun: f64,
     /// Accuracy of the next solve, and that which the pushes shall be met to.
     tolerance: f64,
     floor: f64,
@@ -105,6 +108,7 @@ impl Balance {
             goal: controls.iter().map(goal).collect(),
             drive: drive.carried_by(&run.state.drive),
             stiffness: known.filter(|known| known.controls == controls),
+            begun: begun(run, drive, &controls),
             stiffer: 1.0,
             tolerance: floor,
             floor,
@@ -232,7 +236,12 @@ impl Balance {
         after: Progress,
     ) -> Result<BroydenIterate, (Cause, Control)> {
         let (step, rest) = self.step(run, &after.misfit);
-        let slides = iterate.slides(&after);
+        // A body held between supports takes any motion, each step by as much as may be.
+        let slides = if self.moves_supports() {
+            0
+        } else {
+            iterate.slides(&after)
+        };
         let slid_away = || self.worst(&after.misfit).filter(|_| slides >= MOST_SLIDES);
         if let Some(control) = self.unbalanced(&rest, &after).or_else(slid_away) {
             // A tool that the body has left may meet it again farther along its force.
@@ -343,7 +352,7 @@ impl Balance {
         let forces = found.obstacles.iter().chain(&found.supports);
         let forces = forces.flat_map(|exerted| &exerted[..3]);
         let force = forces.fold(0.0, |most: f64, x| most.max(x.abs())) / units.force();
-        let scale = force.max(largest(&self.goal));
+        let scale = force.max(largest(&self.goal)).max(self.begun);
         let relative = if scale > 0.0 {
             largest(&misfit) / scale
         } else {
@@ -393,6 +402,18 @@ impl Balance {
             ending
         }
     }
+}
+
+/// What pushed supports exert at the state along the controls, the largest of it, non-dimensional.
+fn begun(run: &Run<'_>, drive: &Drive, controls: &[Control]) -> f64 {
+    if drive.support_pushes.is_empty() {
+        return 0.0;
+    }
+    let units = &run.model.plan.problem.units;
+    let found = applied(&run.model, run.state, drive);
+    let sizes = controls.iter().filter(|control| control.is_of_support());
+    let sizes = sizes.map(|control| (found.at(*control) / unit(units, control.axis)).abs());
+    sizes.fold(0.0, f64::max)
 }
 
 /// The end of a search at an equilibrium that does not meet its pushes.

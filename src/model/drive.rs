@@ -227,6 +227,17 @@ impl Drive {
         carried
     }
 
+    /// The same drive with the motions of supports about the reference points of `other`.
+    pub(crate) fn about_like(&self, other: &Self) -> Self {
+        let mut like = self.clone();
+        for (motion, other) in like.motions.iter_mut().zip(&other.motions) {
+            if motion.about.map(f64::to_bits) != other.about.map(f64::to_bits) {
+                *motion = motion.expressed_about(other.about);
+            }
+        }
+        like
+    }
+
     /// Translation and rotation of a part `[6]`.
     pub(crate) fn pose(&self, part: Part) -> [f64; 6] {
         match part {
@@ -273,14 +284,20 @@ impl Drive {
         let Some(index) = resolved.iter().position(|one| one.name == target.name) else {
             return;
         };
-        let push = self.support_pushes.get(index).copied().unwrap_or_default();
-        let push = push.after_support(target, &resolved[index].spring);
+        let before = self.support_pushes.get(index).copied().unwrap_or_default();
+        let push = before.after_support(target, &resolved[index].spring);
         for (value, new) in self.supports[index].iter_mut().zip(target.displacement) {
             *value = new.unwrap_or(*value);
         }
         let motion = &mut self.motions[index];
         if let (Some(about), false) = (target.about, push.is_none()) {
             *motion = motion.expressed_about(about);
+        }
+        // Where a displacement ends a push it says where the face shall be.
+        for axis in (0..3).filter(|&axis| target.displacement[axis].is_some()) {
+            if before.components[axis].is_some() && push.components[axis].is_none() {
+                motion.translation[axis] = 0.0;
+            }
         }
         let own = [&mut motion.translation, &mut motion.rotation];
         lead(own, [target.translation, target.rotation], &push);

@@ -259,11 +259,23 @@ impl Session {
 
     /// What drives the body now, with what its parts exert where `end` pushes them.
     fn start_towards(&self, end: &Drive) -> Drive {
-        let now = &self.state.drive;
-        if now.controls() == end.controls() {
-            return now.clone();
+        let mut now = self.state.drive.about_like(end);
+        let pairs = now.motions.iter().zip(&self.state.drive.motions);
+        let mut pairs = pairs.map(|(now, before)| [now.about, before.about]);
+        let is_about_others =
+            pairs.any(|[now, before]| now.map(f64::to_bits) != before.map(f64::to_bits));
+        if now.controls() == end.controls() && !is_about_others {
+            return now;
         }
-        now.pushing_like(end, &self.body.applied(&self.state, end))
+        if is_about_others {
+            // Moments about other points are others.
+            now.support_pushes.clear();
+        }
+        let state = State {
+            drive: now.clone(),
+            ..self.state.clone()
+        };
+        now.pushing_like(end, &self.body.applied(&state, end))
     }
 
     /// Does the next increment; none when the step is finished. A result that

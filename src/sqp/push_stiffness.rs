@@ -56,6 +56,51 @@ impl PushStiffness {
     /// The shortest dz with J dz = -`misfit` as far as J reaches, and what it leaves of the
     /// misfit `[controls]`.
     pub(crate) fn solve(&self, misfit: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let scales = self.scales();
+        let columns = self.columns.iter().zip(&scales).map(|(column, own)| {
+            let entries = column.iter().zip(&scales);
+            entries
+                .map(|(entry, scale)| entry / (own * scale))
+                .collect()
+        });
+        let scaled = Self {
+            controls: self.controls.clone(),
+            columns: columns.collect(),
+        };
+        let misfit: Vec<f64> = misfit
+            .iter()
+            .zip(&scales)
+            .map(|(f, scale)| f / scale)
+            .collect();
+        let (mut step, mut rest) = scaled.shortest(&misfit);
+        for ((step, rest), scale) in step.iter_mut().zip(&mut rest).zip(&scales) {
+            *step /= scale;
+            *rest *= scale;
+        }
+        let length = norm(&step);
+        if length > LONGEST {
+            scale(&mut step, LONGEST / length);
+        }
+        (step, rest)
+    }
+
+    /// Unit of each component: one of obstacles, whose stiffnesses are alike; of supports the root
+    /// of their own stiffness, for springs may be as stiff as they like.
+    fn scales(&self) -> Vec<f64> {
+        let diagonal = self.controls.iter().enumerate();
+        let of_one = |(place, control): (usize, &Control)| {
+            let own = self.columns[place][place].abs().sqrt();
+            if control.is_of_support() && own > 0.0 {
+                own
+            } else {
+                1.0
+            }
+        };
+        diagonal.map(of_one).collect()
+    }
+
+    /// The same in units in which components are alike, of any length.
+    fn shortest(&self, misfit: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let size = misfit.len();
         let (mut step, mut rest) = (vec![0.0; size], misfit.to_vec());
         let mut normal = DenseMatrix::zeros(size, size);
@@ -74,10 +119,6 @@ impl PushStiffness {
                 add_scaled(&mut step, -part, direction);
                 add_scaled(&mut rest, -part, image);
             }
-        }
-        let length = norm(&step);
-        if length > LONGEST {
-            scale(&mut step, LONGEST / length);
         }
         (step, rest)
     }

@@ -298,7 +298,7 @@ fn loads_of_supports_that_make_no_sense_are_refused_by_key() {
     );
     let soft = |one: &mut Support| {
         one.displacement = [None, Some(0.0), None];
-        one.load.stiffness = [Some(-1.0), None, None];
+        one.load.stiffness = [Some(0.0), None, None];
     };
     assert!(refused(&soft, none)[0].path.ends_with("stiffness.x"));
     let free = |one: &mut Support| one.displacement = [Some(0.0), None, None];
@@ -320,4 +320,85 @@ fn loads_of_supports_that_make_no_sense_are_refused_by_key() {
 
 fn mesh_of_square() -> Arc<Mesh> {
     mesh(square(2))
+}
+
+#[test]
+fn a_sleeve_that_is_released_comes_back_to_rest() {
+    let mesh = bush_mesh();
+    let scene = bush(1.0);
+    let pushed = loaded([Some(3.0), None, None], Some(4.0));
+    let released = loaded([Some(0.0), None, None], Some(0.0));
+    let reports = solve(&scene, &[pushed, released], &mesh);
+    reports.iter().for_each(assert_converged);
+    let own = reports[1].supports["inner"];
+    assert!(
+        own.force[0].abs() < 3e-7 && own.moment[2].abs() < 4e-7,
+        "{own:?}"
+    );
+    assert!(
+        own.translation[0].abs() < 1e-6 && own.rotation[2].abs() < 1e-6,
+        "{own:?}"
+    );
+}
+
+#[test]
+fn a_large_moment_is_reached_in_one_increment() {
+    let [by_moment, by_rotation] = both_ways(1.0, loaded([None; 3], Some(20.0)), 1);
+    let own = by_moment.supports["inner"];
+    assert!(own.rotation[2] > 1.0, "{own:?}");
+    assert!(close(own.moment[2], 20.0, 1e-8), "{own:?}");
+    assert!(close(by_rotation.supports["inner"].moment[2], 20.0, 1e-7));
+}
+
+#[test]
+fn a_displacement_ends_a_force_where_it_says() {
+    let mesh = bush_mesh();
+    let scene = bush(1.0);
+    let back = Step {
+        supports: vec![SupportTarget {
+            name: "inner".to_owned(),
+            displacement: [Some(0.0), None, None],
+            ..SupportTarget::default()
+        }],
+        ..Step::default()
+    };
+    let reports = solve(
+        &scene,
+        &[loaded([Some(3.0), None, None], None), back],
+        &mesh,
+    );
+    reports.iter().for_each(assert_converged);
+    let own = reports[1].supports["inner"];
+    assert!(
+        own.force[0].abs() < 1e-6 && own.translation[0] == 0.0,
+        "{own:?}"
+    );
+}
+
+#[test]
+fn a_moment_about_another_point_ramps_from_what_the_support_exerts_about_it() {
+    let mesh = bush_mesh();
+    let scene = bush(1.0);
+    let led = Step {
+        supports: vec![SupportTarget {
+            name: "inner".to_owned(),
+            translation: Some([0.0, 0.1, 0.0]),
+            ..SupportTarget::default()
+        }],
+        ..Step::default()
+    };
+    let mut turned = loaded([None; 3], Some(1.0));
+    turned.supports[0].about = Some([2.0, 0.0, 0.0]);
+    turned.increments = 4;
+    let reports = solve(&scene, &[led, turned], &mesh);
+    reports.iter().for_each(assert_converged);
+    let moments: Vec<f64> = reports[1..]
+        .iter()
+        .map(|one| one.supports["inner"].moment[2])
+        .collect();
+    let start = -2.0 * reports[0].supports["inner"].force[1];
+    for (part, moment) in (1..).zip(&moments) {
+        let expected = start + 0.25 * f64::from(part) * (1.0 - start);
+        assert!(close(*moment, expected, 1e-3), "{moments:?} from {start}");
+    }
 }

@@ -69,7 +69,7 @@ impl Poses<'_> {
         for (key, components) in keys.into_iter().zip(springs) {
             for (axis, value) in components.into_iter().enumerate() {
                 if let Some(value) = value {
-                    faults.not_negative(&format!("{path}.{key}.{}", AXES[axis]), value);
+                    faults.above_zero(&format!("{path}.{key}.{}", AXES[axis]), value);
                 }
             }
         }
@@ -98,6 +98,12 @@ impl Poses<'_> {
             self.rigid(support, components, path, faults);
         }
         let springs = support.load.springs();
+        for axis in (0..3).filter(|&axis| springs[axis].is_some()) {
+            if target.displacement[axis].is_some() {
+                let key = format!("{path}.displacement.{}", AXES[axis]);
+                faults.add(key, "a spring says where it goes: give a force");
+            }
+        }
         let led = target.translation.into_iter().flatten().enumerate();
         let turned = target.rotation.into_iter().flatten().enumerate();
         let led = led.chain(turned.map(|(axis, angle)| (axis + 3, angle)));

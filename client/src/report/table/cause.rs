@@ -26,7 +26,7 @@ pub(crate) fn cause(cause: Cause) -> Option<&'static str> {
             "no motion came nearer to an equilibrium: give the step more increments, mend bad cells"
         }
         Cause::NoEquilibrium => {
-            "nothing holds the body against these loads, or a pushed obstacle against its force: \
+            "nothing holds the body against these loads, or a pushed obstacle or support against its force: \
              give a [[support]], or an obstacle that they press it onto; push only where contact \
              or friction resists"
         }
