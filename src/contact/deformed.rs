@@ -271,7 +271,7 @@ impl<'a> FacePoints<'a> {
 
 /// Coefficients of x + u at the nodes of a face: positions of the corners, those of
 /// the edges in the hierarchical basis; zero beyond the face's nodes.
-fn node_positions(body: &Deformed<'_>, face: &ContactFace) -> [[f64; 3]; NODES] {
+pub(super) fn node_positions(body: &Deformed<'_>, face: &ContactFace) -> [[f64; 3]; NODES] {
     let c = body.space.components;
     let mut values = [[0.0; 3]; NODES];
     for (shape, (&node, value)) in face.nodes.iter().zip(&mut values).enumerate() {

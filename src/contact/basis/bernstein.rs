@@ -10,6 +10,10 @@ use std::f64::consts::TAU;
 
 use super::ContactBasis;
 use crate::contact::face::ContactFace;
+use crate::geometry::Matrix3;
+use crate::geometry::rigid_motion::multiply;
+use crate::geometry::tensor::cofactor;
+use crate::geometry::vector3::{add, dot, scale};
 
 /// One function a vertex and one an edge.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +38,35 @@ fn mean(corners: usize, factors: &[usize]) -> f64 {
     factorial(dimension) * powers.product::<f64>() / factorial(factors.len() + dimension)
 }
 
+/// F in lambda = l . F l; zero beyond the corners.
+fn quadratic_form(corners: usize, coefficients: &[f64]) -> Matrix3 {
+    let mut form = [[0.0; 3]; 3];
+    for (k, &coefficient) in coefficients.iter().enumerate() {
+        let (_, a, b) = factors(corners, k);
+        form[a][b] = coefficient;
+        form[b][a] = coefficient;
+    }
+    form
+}
+
+/// Corners of a face, and the points of its edges and of its inside where l . F l is stationary.
+fn stationary(corners: usize, form: &Matrix3) -> Vec<[f64; 3]> {
+    let unit = |own: usize| -> [f64; 3] { std::array::from_fn(|i| f64::from(u8::from(i == own))) };
+    let mut points: Vec<[f64; 3]> = (0..corners).map(unit).collect();
+    for a in 0..corners {
+        for b in a + 1..corners {
+            let [at_a, at_b] = [form[b][b] - form[a][b], form[a][a] - form[a][b]];
+            let shares = [at_a, at_b].map(|share| share / (at_a + at_b));
+            points.push(add(scale(shares[0], unit(a)), scale(shares[1], unit(b))));
+        }
+    }
+    // F l = mu (1, 1, 1): l is in proportion to the sums of the cofactors' rows.
+    let sums = cofactor(form).map(|row| row.iter().sum::<f64>());
+    points.push(scale(sums.iter().sum::<f64>().recip(), sums));
+    points.retain(|l| l.iter().all(|share| (0.0..=1.0).contains(share)));
+    points
+}
+
 impl ContactBasis for Bernstein {
     fn functions(&self, corners: usize) -> usize {
         corners * (corners + 1) / 2
@@ -54,6 +87,20 @@ impl ContactBasis for Bernstein {
             *value = 0.5 * *value + 0.25 * (coefficients[a] + coefficients[b]);
         }
         values
+    }
+
+    /// Of corners, of the stationary points on edges, and of that inside.
+    fn largest(&self, corners: usize, coefficients: &[f64]) -> (f64, [f64; 3]) {
+        let form = quadratic_form(corners, coefficients);
+        let value = |l: &[f64; 3]| dot(*l, multiply(&form, *l));
+        let mut known = (0.0, [1.0, 0.0, 0.0]);
+        for l in stationary(corners, &form) {
+            let value = value(&l);
+            if value > known.0 {
+                known = (value, l);
+            }
+        }
+        known
     }
 
     fn weight(&self, face: &ContactFace, k: usize) -> f64 {

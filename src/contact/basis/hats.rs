@@ -26,6 +26,18 @@ impl ContactBasis for Hats {
         coefficients.to_vec()
     }
 
+    fn largest(&self, corners: usize, coefficients: &[f64]) -> (f64, [f64; 3]) {
+        let at_corner = |own: usize| std::array::from_fn(|i| if i == own { 1.0 } else { 0.0 });
+        let values = coefficients.iter().take(corners).enumerate();
+        values.fold((0.0, at_corner(0)), |known, (corner, &value)| {
+            if value > known.0 {
+                (value, at_corner(corner))
+            } else {
+                known
+            }
+        })
+    }
+
     fn weight(&self, face: &ContactFace, k: usize) -> f64 {
         match face.radii {
             None => face.area / face.corners.len() as f64,

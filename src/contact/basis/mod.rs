@@ -27,6 +27,10 @@ pub trait ContactBasis: fmt::Debug + Send + Sync {
     /// `[functions]` can be largest.
     fn at_nodes(&self, corners: usize, coefficients: &[f64]) -> Vec<f64>;
 
+    /// The largest value on a face of the functions with these coefficients `[functions]`, not
+    /// negative, and its barycentric coordinates `[3]`.
+    fn largest(&self, corners: usize, coefficients: &[f64]) -> (f64, [f64; 3]);
+
     /// int psi_k dS, an area.
     fn weight(&self, face: &ContactFace, k: usize) -> f64;
 

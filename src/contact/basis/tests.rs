@@ -150,3 +150,27 @@ fn laplacians_are_the_integrals_of_the_slopes() {
         }
     }
 }
+
+proptest::proptest! {
+    #[test]
+    fn the_largest_value_is_that_of_fine_sampling(
+        coefficients in proptest::array::uniform6(0.0..1.0_f64),
+        corners in 2..=3_usize,
+    ) {
+        for basis in BASES {
+            let own = &coefficients[..basis.functions(corners)];
+            let at = |l: &[f64]| -> f64 {
+                values(basis, l).iter().zip(own).map(|(psi, c)| psi * c).sum()
+            };
+            let (found, place) = basis.largest(corners, own);
+            let lattice = (0..=60).flat_map(|a| (0..=60 - a).map(move |b| [a, b]));
+            let points = lattice.map(|ab| ab.map(|x| f64::from(x) / 60.0));
+            let sampled = points.filter(|[a, b]| corners == 3 || (a + b - 1.0).abs() < 1e-9);
+            let sampled = sampled.map(|[a, b]| at(&[a, b, 1.0 - a - b][..corners]));
+            let sampled = sampled.fold(0.0, f64::max);
+            proptest::prop_assert!(found >= sampled - 1e-12 && found < sampled + 1e-3);
+            proptest::prop_assert!((at(&place[..corners]) - found).abs() < 1e-12);
+            proptest::prop_assert!((place.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        }
+    }
+}
