@@ -12,6 +12,7 @@
 use super::counterpart::Counterpart;
 use super::deformed::{Deformed, FacePoints, Table};
 use super::surface::ContactSurface;
+use crate::geometry::vector3::add;
 use crate::obstacle::Derivatives;
 
 /// Resultants on the body, non-dimensional.
@@ -19,6 +20,8 @@ use crate::obstacle::Derivatives;
 pub struct Resultant {
     /// Force of the counterpart on the body, int lambda n da `[3]`, non-dimensional.
     pub force: [f64; 3],
+    /// int lambda da, which counts pressure and no direction, non-dimensional.
+    pub normal_force: f64,
     /// Moment about the reference point, int (x + u - reference) x lambda n da `[3]`,
     /// non-dimensional.
     pub moment: [f64; 3],
@@ -52,36 +55,17 @@ pub fn resultant<C: Counterpart + ?Sized>(
     counterpart: &C,
     at: Acting<'_>,
 ) -> Resultant {
-    let Acting {
-        reference,
-        pressure,
-        active,
-    } = at;
-    let coefficients = surface.shares.spread(pressure);
-    let table = Table::new(body, surface.basis);
-    let size = NUMBERS * table.points();
-    let numbers = body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
-        if face
-            .functions
-            .iter()
-            .all(|&k| coefficients[k as usize] == 0.0)
-        {
-            return;
-        }
-        points.probe(counterpart, face, Derivatives::Normal);
-        for (point, numbers) in numbers.chunks_exact_mut(NUMBERS).enumerate() {
-            let lambda = points.pressure(face, point, &coefficients);
-            fill(points, point, (lambda, reference), numbers);
-        }
-    });
+    let coefficients = surface.shares.spread(at.pressure);
+    let numbers = numbers(body, surface, counterpart, (&coefficients, at.reference));
     let mut sums = [0.0; NUMBERS];
     for numbers in numbers.chunks_exact(NUMBERS) {
         sums.iter_mut().zip(numbers).for_each(|(sum, x)| *sum += x);
     }
     let [total, f0, f1, f2, m0, m1, m2, c0, c1, c2] = sums;
     let weights = surface.present_weights(body);
-    let weights = weights.iter().zip(active);
+    let weights = weights.iter().zip(at.active);
     Resultant {
+        normal_force: total,
         force: [f0, f1, f2],
         moment: [m0, m1, m2],
         area: weights.fold(
@@ -95,6 +79,46 @@ pub fn resultant<C: Counterpart + ?Sized>(
             [0.0; 3]
         },
     }
+}
+
+/// Force of the pressure on each face `[faces][3]`, non-dimensional.
+pub(super) fn face_forces<C: Counterpart + ?Sized>(
+    body: &Deformed<'_>,
+    surface: &ContactSurface,
+    counterpart: &C,
+    at: Acting<'_>,
+) -> Vec<[f64; 3]> {
+    let coefficients = surface.shares.spread(at.pressure);
+    let numbers = numbers(body, surface, counterpart, (&coefficients, at.reference));
+    let of_face = |own: &[f64]| {
+        let points = own.chunks_exact(NUMBERS);
+        points.fold([0.0; 3], |sum, own| add(sum, [own[1], own[2], own[3]]))
+    };
+    let faces = numbers.chunks_exact(NUMBERS * body.rule.len());
+    faces.map(of_face).collect()
+}
+
+/// The numbers of all points `[faces, points, NUMBERS]` under the pressure with these
+/// coefficients; moments about the reference point.
+fn numbers<C: Counterpart + ?Sized>(
+    body: &Deformed<'_>,
+    surface: &ContactSurface,
+    counterpart: &C,
+    (coefficients, reference): (&[f64], [f64; 3]),
+) -> Vec<f64> {
+    let table = Table::new(body, surface.basis);
+    let size = NUMBERS * table.points();
+    body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
+        let mut functions = face.functions.iter();
+        if functions.all(|&k| coefficients[k as usize] == 0.0) {
+            return;
+        }
+        points.probe(counterpart, face, Derivatives::Normal);
+        for (point, numbers) in numbers.chunks_exact_mut(NUMBERS).enumerate() {
+            let lambda = points.pressure(face, point, coefficients);
+            fill(points, point, (lambda, reference), numbers);
+        }
+    })
 }
 
 /// The numbers of one point under the pressure `lambda`.
