@@ -111,7 +111,7 @@ impl Seconds {
 }
 
 /// What one obstacle does to the body.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObstacleResult {
     /// Force that the obstacle exerts on the body `[3]`.
     pub force: [f64; 3],
@@ -124,8 +124,26 @@ pub struct ObstacleResult {
     /// Its moment about the obstacle's current reference point `[3]`.
     pub moment: [f64; 3],
     /// Area carried by vertices in contact: deformed for bodies of finite strain, undeformed for
-    /// linear ones.
+    /// linear ones. It counts whole vertices; `deformed_contact_area` ends inside faces.
     pub contact_area: f64,
+    /// Area of the deformed surface in contact, whose edge is found inside the faces from the gap
+    /// beyond it: per unit thickness in the plane, of the full turn about an axis; zero without
+    /// contact.
+    pub deformed_contact_area: f64,
+    /// Length of the deformed surface in contact in the plane or the section, the sum of the
+    /// intervals' widths; none in space.
+    pub contact_width: Option<f64>,
+    /// Intervals of contact along the surface in the plane or the section; empty in space and
+    /// without contact.
+    pub contact_intervals: Vec<ContactInterval>,
+    /// Largest value of the field of contact pressure, which may lie between the vertices: per the
+    /// same area as `max_pressure`; zero without contact.
+    pub peak_pressure: f64,
+    /// Where that is in the deformed body `[3]`; none without contact.
+    pub peak_pressure_place: Option<[f64; 3]>,
+    /// Integral of the contact pressure, the normal force without regard to its direction, over
+    /// `deformed_contact_area`; none without contact.
+    pub mean_pressure: Option<f64>,
     /// Largest vertex value of the contact pressure: per deformed area for bodies of finite
     /// strain.
     pub max_pressure: f64,
@@ -152,6 +170,21 @@ pub struct ObstacleResult {
     pub dissipated_energy: f64,
     /// The same from the start.
     pub dissipated_total: f64,
+}
+
+/// Contact without a break along the surface of a plane body, or of the section of a body of
+/// revolution.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactInterval {
+    /// Where it begins in the deformed body `[3]`, the body on the left of who goes to the end.
+    pub start: [f64; 3],
+    /// Where it ends in the deformed body `[3]`.
+    pub end: [f64; 3],
+    /// Length of the deformed surface between.
+    pub width: f64,
+    /// Force of the contact pressure on the body there, without friction `[3]`: per unit
+    /// thickness, or of the full turn about an axis.
+    pub force: [f64; 3],
 }
 
 /// Reaction of one support.

@@ -2,12 +2,14 @@
 //! and pressure, gap and state on the candidate surfaces, in the caller's units.
 //!
 //! Everything is read from multipliers and the trace of the displacement `[nodes]`. Lists go interface by interface in the order of the
-//! multipliers; results are by name. Cost: one probe a quadrature point of each surface.
+//! multipliers; results are by name. Cost: one probe a quadrature point and a node of each surface.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::contact::gap::{Deformed, evaluate_gaps};
 use crate::contact::resultant::{Acting, Resultant, resultant};
+use crate::contact::{self, extent};
 use crate::geometry::vector3::add;
 use crate::linalg::vector::scale;
 use crate::model::Model;
@@ -15,7 +17,8 @@ use crate::model::interfaces::{Interface, Interfaces, Placed};
 use crate::model::state::State;
 use crate::obstacle::Obstacle;
 use crate::plan::Plan;
-use crate::report::ObstacleResult;
+use crate::plan::Units;
+use crate::report::{ContactInterval, ObstacleResult};
 
 /// Contact state of vertices that carry no multiplier.
 const NOT_A_CANDIDATE: f64 = -1.0;
@@ -60,8 +63,9 @@ impl<'a> Touching<'a> {
             let Some(obstacle) = met.obstacle() else {
                 continue;
             };
-            let found = self.resultant(interface, &met, obstacle.reference_point());
-            let mut result = self.result(&found);
+            let reference = obstacle.reference_point();
+            let found = self.resultant(interface, &met, reference);
+            let mut result = self.result(interface, &met, (&found, reference));
             complete(interface, &found, &mut result);
             results.insert(interface.name.clone(), result);
         }
@@ -83,33 +87,35 @@ impl<'a> Touching<'a> {
     /// Force and moment about `reference` of one interface on the body,
     /// non-dimensional.
     fn resultant(&self, interface: &Interface, met: &Placed, reference: [f64; 3]) -> Resultant {
-        let status = interface.own(&self.state.status);
-        let active: Vec<bool> = status.iter().map(|status| status.is_closed()).collect();
-        let pressure = &interface.own(&self.state.multiplier);
-        resultant(
-            &self.body,
-            &interface.surface,
-            met,
-            Acting {
-                reference,
-                pressure,
-                active: &active,
-            },
-        )
+        let own = Own::of(interface, self.state);
+        resultant(&self.body, &interface.surface, met, own.acting(reference))
     }
 
-    /// A resultant in the caller's units alone.
-    fn result(&self, found: &Resultant) -> ObstacleResult {
+    /// A resultant and the extent of contact in the caller's units alone.
+    fn result(
+        &self,
+        interface: &Interface,
+        met: &Placed,
+        (found, reference): (&Resultant, [f64; 3]),
+    ) -> ObstacleResult {
         let units = &self.plan.problem.units;
+        let own = Own::of(interface, self.state);
+        let extent = extent(&self.body, &interface.surface, met, own.acting(reference));
+        let area = extent.area * units.area();
+        let intervals = extent.intervals.iter().map(|own| in_units(own, units));
+        let intervals: Vec<ContactInterval> = intervals.collect();
+        let width = intervals.iter().fold(0.0, |sum, own| sum + own.width);
         ObstacleResult {
             force: found.force.map(|x| x * units.force()),
-            force_error: None,
-            geometry_error: None,
             moment: found.moment.map(|x| x * units.energy()),
             contact_area: found.area * units.area(),
+            deformed_contact_area: area,
+            contact_width: (units.dimension == 2).then_some(width),
+            contact_intervals: intervals,
             max_pressure: found.max_pressure * units.stress,
-            max_pressure_deformed: None,
-            max_pressure_undeformed: None,
+            peak_pressure: extent.peak.map_or(0.0, |(value, _)| value * units.stress),
+            peak_pressure_place: extent.peak.map(|(_, at)| at.map(|x| x * units.length)),
+            mean_pressure: (area > 0.0).then(|| found.normal_force * units.force() / area),
             centre_of_pressure: found.centre.map(|x| x * units.length),
             ..ObstacleResult::default()
         }
@@ -206,6 +212,43 @@ impl<'a> Touching<'a> {
         out.into_iter()
             .map(|value| value.unwrap_or(elsewhere))
             .collect()
+    }
+}
+
+/// The pressure of an interface alone.
+struct Own<'s> {
+    /// Coefficients of the pressure `[multipliers]`.
+    pressure: Cow<'s, [f64]>,
+    /// Which multipliers are in contact `[multipliers]`.
+    active: Vec<bool>,
+}
+
+impl<'s> Own<'s> {
+    fn of(interface: &Interface, state: &'s State) -> Self {
+        let status = interface.own(&state.status);
+        Self {
+            pressure: interface.own(&state.multiplier),
+            active: status.iter().map(|status| status.is_closed()).collect(),
+        }
+    }
+
+    fn acting(&self, reference: [f64; 3]) -> Acting<'_> {
+        Acting {
+            reference,
+            pressure: &self.pressure,
+            active: &self.active,
+        }
+    }
+}
+
+/// An interval in the caller's units.
+fn in_units(own: &contact::ContactInterval, units: &Units) -> ContactInterval {
+    let [start, end] = own.ends.map(|place| place.map(|x| x * units.length));
+    ContactInterval {
+        start,
+        end,
+        width: own.width * units.length,
+        force: own.force.map(|x| x * units.force()),
     }
 }
 

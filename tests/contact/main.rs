@@ -10,6 +10,7 @@ mod critical_pressure;
 mod families;
 mod grids;
 mod held_by_obstacles;
+mod hertz;
 mod inf_sup;
 mod large_surface;
 mod passing;

@@ -187,7 +187,7 @@ fn a_plate_tilts_until_its_moments_vanish() {
         [Some(0.0), Some(0.0), None],
     );
     let report = last(&mut session, &step);
-    let plate = report.obstacles["plate"];
+    let plate = &report.obstacles["plate"];
     assert!(close(plate.force[2], -0.02, 1e-9));
     assert!(plate.moment[0].abs().max(plate.moment[1].abs()) < 1e-10);
     let [translation, rotation] = pose(&session);
@@ -211,7 +211,7 @@ fn a_rough_plate_is_in_balance_in_all_six_components() {
         [Some(0.0), Some(0.0), Some(5e-4)],
     );
     let report = last(&mut session, &step);
-    let plate = report.obstacles["plate"];
+    let plate = &report.obstacles["plate"];
     let goal = [0.002, -0.001, -0.02, 0.0, 0.0, 5e-4];
     let found = plate.force.iter().chain(&plate.moment);
     for (found, goal) in found.zip(goal) {

@@ -285,7 +285,7 @@ fn punch(poisson_ratio: f64, friction: f64) -> f64 {
     let body = mesh(with_pad(parts, ("pad", "z1"), |x| x[0].hypot(x[1]) < ring));
     let mut session = open(&scene, &body);
     let pressed = one(&mut session, &to([0.0, 0.0, -0.001], [0.0; 3], friction));
-    let tool = pressed.obstacles["tool"];
+    let tool = &pressed.obstacles["tool"];
     tool.force[2].abs()
 }
 

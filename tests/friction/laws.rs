@@ -336,7 +336,7 @@ fn body_and_tool_that_turn_together_slip_by_nothing() {
         panic!("three results");
     };
     assert_converged(turned);
-    let [before, after] = [pressed, turned].map(|report| report.obstacles["tool"]);
+    let [before, after] = [pressed, turned].map(|report| report.obstacles["tool"].clone());
     assert!((pressed.strain_energy - turned.strain_energy).abs() < 1e-7 * pressed.strain_energy);
     let size = |force: [f64; 3]| force.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
     assert!((size(before.force) - size(after.force)).abs() < 1e-7 * size(before.force));

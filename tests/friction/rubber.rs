@@ -32,7 +32,7 @@ fn a_rough_plate_presses_a_block_as_far_as_a_smooth_one() {
         scene.obstacles[0].friction = friction;
         let reports = solve(&scene, &[step], &mesh(cube(4)));
         reports.iter().for_each(assert_converged);
-        let press = reports.last().expect("a result").obstacles["press"];
+        let press = &reports.last().expect("a result").obstacles["press"];
         assert_eq!(friction > 0.0, press.dissipated_total > 0.0);
         forces.push(press.force[2].abs());
     }
@@ -219,7 +219,7 @@ fn rolled(increments: u32) -> Vec<StepReport> {
 fn a_wheel_rolls_a_quarter_turn_without_sliding() {
     let reports = rolled(18);
     for report in &reports {
-        let road = report.obstacles["road"];
+        let road = &report.obstacles["road"];
         let pull = road.tangential_force[0].abs();
         assert!(road.stick_vertices > 0 && pull < 0.8 * road.force[1]);
     }
@@ -238,7 +238,7 @@ fn lost_by_rolling(increments: u32) -> f64 {
     let part = FRAC_PI_2 / f64::from(increments);
     // The rim answers the road: - F along the way, - M about the axle, which is at `x`.
     let power = |report: &StepReport, x: f64| {
-        let road = report.obstacles["road"];
+        let road = &report.obstacles["road"];
         let arm = [-x, -1.0 + 0.06];
         let about = road.moment[2] + arm[0] * road.force[1] - arm[1] * road.force[0];
         -road.force[0] + about
@@ -327,7 +327,7 @@ fn a_cylinder_that_is_turned_rolls_where_nothing_holds_it_along() {
     let reports = solve(&scene, &steps, &mesh(parts));
     reports.iter().for_each(assert_converged);
     assert_eq!(reports.len(), 12);
-    let rolled = |number: usize| reports[number].obstacles["roller"];
+    let rolled = &|number: usize| reports[number].obstacles["roller"].clone();
     // Down a soft body a roller goes by a few percent farther than its rim.
     for (number, turn) in [(7, 0.4), (11, -0.2)] {
         let roller = rolled(number);

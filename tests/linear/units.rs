@@ -154,6 +154,16 @@ fn quantities(report: &StepReport, dimension: i32) -> Vec<Quantity> {
         push("area", &[obstacle.contact_area], area, 0, None);
         push("peak", &[obstacle.max_pressure], 0, 1, None);
         push("centre", &obstacle.centre_of_pressure, 1, 0, None);
+        push("extent", &[obstacle.deformed_contact_area], area, 0, None);
+        let mean: Vec<f64> = obstacle.mean_pressure.into_iter().collect();
+        push("mean", &mean, 0, 1, None);
+        push("highest", &[obstacle.peak_pressure], 0, 1, None);
+        for interval in &obstacle.contact_intervals {
+            push("width", &[interval.width], 1, 0, None);
+            push("start", &interval.start, 1, 0, None);
+            push("end", &interval.end, 1, 0, None);
+            push("force of the interval", &interval.force, area, 1, None);
+        }
     }
     for support in report.supports.values() {
         push("reaction", &support.force, dimension - 1, 1, None);

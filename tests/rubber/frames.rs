@@ -86,6 +86,8 @@ fn a_turned_and_carried_body_gives_the_same_numbers() {
         let (new, old) = (&away.obstacles["ball"], &at_home.obstacles["ball"]);
         assert_close("force", &new.force, &frame.vector(old.force));
         assert_close("peak", &[new.max_pressure], &[old.max_pressure]);
+        let areas = [new, old].map(|ball| ball.deformed_contact_area);
+        assert_close("extent", &areas[..1], &areas[1..]);
         let centre = frame.point(old.centre_of_pressure);
         assert_close("centre", &new.centre_of_pressure, &centre);
         let reaction = frame.vector(at_home.supports["z0"].force);

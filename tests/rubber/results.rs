@@ -46,7 +46,7 @@ fn an_even_squeeze_has_the_pressures_of_its_closed_form() {
     scene.solver.tolerance = 1e-10;
     let mesh = mesh(cube(2));
     let (session, report) = run_one(&scene, &step, &mesh);
-    let plate = report.obstacles["plate"];
+    let plate = &report.obstacles["plate"];
     assert!((plate.max_pressure - DEFORMED).abs() < 1e-7, "{plate:?}");
     let undeformed = plate.max_pressure_undeformed.expect("finite strain");
     assert!((undeformed - PRESSURE).abs() < 1e-7, "{undeformed}");

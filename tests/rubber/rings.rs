@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use crate::common::curved::cylinder;
-use crate::common::meshes::{irregular, mesh, moved, square};
+use crate::common::meshes::{half_space, irregular, mesh, moved, square};
 use crate::common::scenes::{mooney_rivlin, obstacle, probe, push, rubber, support, traction};
 use crate::common::{close, difference, run_one, solve_one, values};
 use signorini::scene::{RubberModel, SceneKind, Shape};
@@ -39,10 +39,19 @@ fn an_evenly_squeezed_disc_has_its_closed_form() {
     let step = push("plate", [0.0, -0.2, 0.0]);
     let (session, report) = run_one(&scene, &step, &mesh(section(3)));
     // At stretch 0.8: 1 / l^2 - l per undeformed, 1 / l - l^2 per deformed area.
-    let plate = report.obstacles["plate"];
+    let plate = &report.obstacles["plate"];
     assert!(close(plate.force[1], -0.7625 * PI, 1e-7), "{plate:?}");
     assert!(close(plate.contact_area, PI / 0.8, 1e-7), "{plate:?}");
     assert!(close(plate.max_pressure, 0.61, 1e-7), "{plate:?}");
+    assert!(
+        close(plate.deformed_contact_area, PI / 0.8, 1e-7),
+        "{plate:?}"
+    );
+    assert!(close(plate.peak_pressure, 0.61, 1e-7), "{plate:?}");
+    let mean = plate.mean_pressure.expect("contact");
+    assert!(close(mean, 0.61, 1e-7), "{plate:?}");
+    let width = plate.contact_width.expect("a section");
+    assert!(close(width, 0.8_f64.powf(-0.5), 1e-7), "{plate:?}");
     let undeformed = plate.max_pressure_undeformed.expect("finite strain");
     assert!(close(undeformed, 0.7625, 1e-7), "{undeformed}");
     assert!(close(report.supports["y0"].force[1], 0.7625 * PI, 1e-7));
@@ -128,4 +137,35 @@ fn a_ball_pressed_into_a_ring_balances_its_support() {
     let bored = moved(section(6), |[x, y, z]| [0.6 + 0.4 * x, y, z]);
     let report = solve_one(&scene, &step, &mesh(bored));
     assert_eq!(report.active_vertices, 0);
+}
+
+/// Of a ball on what stands for the half-space, a^3 = 3 F R (1 - nu^2) / (4 E), of a strain of a
+/// hundredth: ten facets across the radius.
+#[test]
+fn a_ball_on_the_axis_presses_on_the_circle_of_hertz() {
+    let (radius, body) = (20.0, mesh(half_space(2, 24, 4.0, &[0])));
+    let mut scene = disc(RubberModel::NeoHookean { shear_modulus: 1.0 });
+    scene.supports = vec![support("y0", [Some(0.0), Some(0.0), None])];
+    let centre = [0.0, radius, 0.0];
+    scene.obstacles = vec![obstacle("ball", "y1", Shape::Sphere { centre, radius })];
+    for depth in [5e-4, 6e-4, 7e-4] {
+        let report = solve_one(&scene, &push("ball", [0.0, -depth, 0.0]), &body);
+        let ball = &report.obstacles["ball"];
+        let force = ball.force[1].abs();
+        let exact = (3.0 * force * radius / 16.0).cbrt();
+        let width = ball.contact_width.expect("a section");
+        assert!(close(width, exact, 0.007), "{width} {exact}");
+        let area = ball.deformed_contact_area;
+        assert!(close(area, PI * width * width, 1e-3), "{area}");
+        let [one] = ball.contact_intervals[..] else {
+            panic!("one interval: {:?}", ball.contact_intervals);
+        };
+        assert!(
+            one.end[0].abs() < 1e-12 && close(one.start[0], width, 1e-3),
+            "{one:?}"
+        );
+        assert!(close(one.force[1], ball.force[1], 1e-12), "{one:?}");
+        let peak = 1.5 * force / (PI * exact * exact);
+        assert!(close(ball.peak_pressure, peak, 0.02), "{peak} {ball:?}");
+    }
 }
