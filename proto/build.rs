@@ -36,9 +36,10 @@ fn main() -> Outcome<()> {
 }
 
 /// Messages that become JSON as they are.
-const SERIALISED: [&str; 18] = [
+const SERIALISED: [&str; 19] = [
     "Attempt",
     "CauseSite",
+    "ContactInterval",
     "IterationReport",
     "ManufacturedErrors",
     "ObstaclePose",

@@ -193,6 +193,18 @@ def never_touched(name: str) -> Warning:
     return Warning(report_pb2.Warning(kind=UNTOUCHED, subject=name, message=said))
 
 
+OF_CONTACT = (
+    "force_error",
+    "contact_area",
+    "max_pressure",
+    "deformed_contact_area",
+    "contact_width",
+    "mean_pressure",
+    "peak_pressure",
+)
+"""Numbers of an obstacle in the table."""
+
+
 def row(increment: Increment) -> dict[str, Any]:
     """One row of the table."""
     report = increment.report
@@ -201,7 +213,7 @@ def row(increment: Increment) -> dict[str, Any]:
     for name, obstacle in increment.obstacles.items():
         for axis, value in zip("xyz", obstacle.force.tolist(), strict=False):
             cells[f"{name}.force_{axis}"] = value
-        for key in ("force_error", "contact_area", "max_pressure"):
+        for key in OF_CONTACT:
             cells[f"{name}.{key}"] = getattr(obstacle, key)
     more = ("strain_energy", "volume_ratio", "min_jacobian", "max_penetration", "error_estimate")
     cells |= {name: getattr(report, name) for name in (*more, "krylov_iterations")}

@@ -99,8 +99,16 @@ impl Columns {
             let scalars = ["travel", "force_along_travel", "force_error"];
             header.extend(scalars.map(|column| format!("{name}.{column}")));
             header.extend(AXES.map(|axis| format!("{name}.force_{axis}")));
-            let scalars = ["contact_area", "max_pressure"];
+            let scalars = [
+                "contact_area",
+                "max_pressure",
+                "deformed_contact_area",
+                "contact_width",
+                "mean_pressure",
+                "peak_pressure",
+            ];
             header.extend(scalars.map(|column| format!("{name}.{column}")));
+            header.extend(AXES.map(|axis| format!("{name}.peak_pressure_{axis}")));
         }
         for name in &self.supports {
             header.extend(AXES.map(|axis| format!("{name}.force_{axis}")));
@@ -139,8 +147,7 @@ impl Columns {
             row.push(cell(obstacle.map(|result| travels.force(name, result))));
             row.push(cell(obstacle.and_then(|result| result.force_error)));
             row.extend(three(obstacle.map(|result| result.force.as_slice())));
-            row.push(cell(obstacle.map(|result| result.contact_area)));
-            row.push(cell(obstacle.map(|result| result.max_pressure)));
+            row.extend(contact(obstacle));
         }
         for name in &self.supports {
             let support = report.supports.get(name);
@@ -156,6 +163,20 @@ impl Columns {
         }
         row
     }
+}
+
+/// How far contact extends on an obstacle, and its pressures.
+fn contact(obstacle: Option<&v1::ObstacleResult>) -> Vec<String> {
+    let numbers = [
+        obstacle.map(|result| result.contact_area),
+        obstacle.map(|result| result.max_pressure),
+        obstacle.map(|result| result.deformed_contact_area),
+        obstacle.and_then(|result| result.contact_width),
+        obstacle.and_then(|result| result.mean_pressure),
+        obstacle.map(|result| result.peak_pressure),
+    ];
+    let place = obstacle.map(|result| result.peak_pressure_place.as_slice());
+    numbers.map(cell).into_iter().chain(three(place)).collect()
 }
 
 /// As many digits as the double has.

@@ -15,6 +15,12 @@ fn report() -> v1::StepReport {
         centre_of_pressure: vector.clone(),
         tangential_force: vector.clone(),
         contact_area: 0.25,
+        contact_intervals: vec![v1::ContactInterval {
+            start: vector.clone(),
+            end: vector.clone(),
+            width: 0.5,
+            force: vector.clone(),
+        }],
         ..Default::default()
     };
     let support = v1::SupportResult {

@@ -3,9 +3,9 @@
 use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
-    Attempt, Cause, CauseSite, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult,
-    Residuals, Seconds, Snapped, Stability, StepReport, Strategy, SupportResult, Termination,
-    Unknowns, Warning,
+    Attempt, Cause, CauseSite, ContactInterval, IterationRecord, ManufacturedErrors,
+    ObstacleResult, ProbeResult, Residuals, Seconds, Snapped, Stability, StepReport, Strategy,
+    SupportResult, Termination, Unknowns, Warning,
 };
 use signorini_proto::v1 as wire;
 
@@ -248,6 +248,15 @@ fn obstacle(value: ObstacleResult) -> wire::ObstacleResult {
         geometry_error: value.geometry_error,
         moment: value.moment.to_vec(),
         contact_area: value.contact_area,
+        deformed_contact_area: value.deformed_contact_area,
+        contact_width: value.contact_width,
+        contact_intervals: value.contact_intervals.iter().map(interval).collect(),
+        peak_pressure: value.peak_pressure,
+        peak_pressure_place: value
+            .peak_pressure_place
+            .map(|place| place.to_vec())
+            .unwrap_or_default(),
+        mean_pressure: value.mean_pressure,
         max_pressure: value.max_pressure,
         max_pressure_deformed: value.max_pressure_deformed,
         max_pressure_undeformed: value.max_pressure_undeformed,
@@ -260,6 +269,15 @@ fn obstacle(value: ObstacleResult) -> wire::ObstacleResult {
         tangential_force: value.tangential_force.to_vec(),
         dissipated_energy: value.dissipated_energy,
         dissipated_total: value.dissipated_total,
+    }
+}
+
+fn interval(value: &ContactInterval) -> wire::ContactInterval {
+    wire::ContactInterval {
+        start: value.start.to_vec(),
+        end: value.end.to_vec(),
+        width: value.width,
+        force: value.force.to_vec(),
     }
 }
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::Value;
 use signorini_proto::v1;
 
-use super::lines::{Iteration, Lines, Obstacle, Step, Support, Warning};
+use super::lines::{Interval, Iteration, Lines, Obstacle, Step, Support, Warning};
 use super::surface::Picture;
 use crate::report::table::{self, cause};
 use crate::report::travel::Travels;
@@ -75,6 +75,13 @@ struct Pressed {
     area: f64,
     pressure: f64,
     centre: Vec<f64>,
+    deformed_area: Option<f64>,
+    width: Option<f64>,
+    intervals: Vec<Interval>,
+    mean: Option<f64>,
+    peak: Option<f64>,
+    /// Where the peak is; empty without contact.
+    place: Vec<f64>,
 }
 
 /// What a support does to the body in one increment.
@@ -190,6 +197,12 @@ fn pressed(name: &str, obstacle: &Obstacle, travels: &Travels) -> Pressed {
         area: obstacle.contact_area,
         pressure: obstacle.max_pressure,
         centre: obstacle.centre_of_pressure.clone(),
+        deformed_area: obstacle.deformed_contact_area,
+        width: obstacle.contact_width,
+        intervals: obstacle.contact_intervals.clone(),
+        mean: obstacle.mean_pressure,
+        peak: obstacle.peak_pressure,
+        place: obstacle.peak_pressure_place.clone(),
     }
 }
 

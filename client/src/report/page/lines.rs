@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
 /// Everything that the lines of a run tell.
@@ -73,7 +73,27 @@ pub(super) struct Obstacle {
     pub(super) max_pressure: f64,
     #[serde(deserialize_with = "numbers")]
     pub(super) centre_of_pressure: Vec<f64>,
+    pub(super) deformed_contact_area: Option<f64>,
+    pub(super) contact_width: Option<f64>,
+    pub(super) contact_intervals: Vec<Interval>,
+    pub(super) mean_pressure: Option<f64>,
+    pub(super) peak_pressure: Option<f64>,
+    #[serde(deserialize_with = "numbers")]
+    pub(super) peak_pressure_place: Vec<f64>,
     pub(super) pose: Pose,
+}
+
+/// Contact without a break along a section.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub(super) struct Interval {
+    #[serde(deserialize_with = "numbers")]
+    pub(super) start: Vec<f64>,
+    #[serde(deserialize_with = "numbers")]
+    pub(super) end: Vec<f64>,
+    pub(super) width: Option<f64>,
+    #[serde(deserialize_with = "numbers")]
+    pub(super) force: Vec<f64>,
 }
 
 /// Reaction of a support.

@@ -83,6 +83,9 @@ pub(super) fn loads(lines: &mut Lines, report: &v1::StepReport, travels: &Travel
             &pressed(name, obstacle, report, travels),
         );
         lines.add("", &patch(obstacle));
+        if let Some(extent) = extent(obstacle) {
+            lines.add("", &extent);
+        }
     }
     lines.add_each("friction", report.obstacles.iter().filter_map(friction));
     let supports = report.supports.iter();
@@ -134,6 +137,31 @@ fn patch(obstacle: &v1::ObstacleResult) -> String {
     let undeformed = undeformed.map(|p| format!(" ({} per undeformed area)", number(p)));
     let undeformed = undeformed.unwrap_or_default();
     format!("contact area {area}, pressure {pressure}{undeformed} at most")
+}
+
+/// How far contact extends over the deformed surface, and its peak; none without contact.
+fn extent(obstacle: &v1::ObstacleResult) -> Option<String> {
+    let (area, mean) = (
+        number(obstacle.deformed_contact_area),
+        number(obstacle.mean_pressure?),
+    );
+    let width = obstacle.contact_width.map(|width| {
+        let count = obstacle.contact_intervals.len();
+        let parts = if count > 1 {
+            format!(" in {count} intervals")
+        } else {
+            String::new()
+        };
+        format!(", width {}{parts}", number(width))
+    });
+    let (peak, place) = (
+        number(obstacle.peak_pressure),
+        vector(&obstacle.peak_pressure_place),
+    );
+    let width = width.unwrap_or_default();
+    Some(format!(
+        "deformed area {area}{width}, mean pressure {mean}, peak {peak} at {place}"
+    ))
 }
 
 /// What friction does on an obstacle; none without.

@@ -97,6 +97,28 @@ fn finite_strain_says_how_far_cells_are_from_turning_inside_out() {
 }
 
 #[test]
+fn contact_says_how_far_it_extends_and_where_it_presses_most() {
+    let mut report = report();
+    assert!(!told(&[report.clone()], Detail::Short).contains("deformed area"));
+    let obstacle = report.obstacles.get_mut("ball").unwrap();
+    obstacle.deformed_contact_area = 0.04;
+    obstacle.mean_pressure = Some(0.44);
+    obstacle.peak_pressure = 0.61;
+    obstacle.peak_pressure_place = vec![0.5, 0.0, 1.0];
+    let text = told(&[report.clone()], Detail::Short);
+    let said = "deformed area 0.04, mean pressure 0.44, peak 0.61 at (0.5, 0, 1)";
+    assert!(text.contains(said), "{text}");
+    let obstacle = report.obstacles.get_mut("ball").unwrap();
+    obstacle.contact_width = Some(0.04);
+    obstacle.contact_intervals = vec![v1::ContactInterval::default(); 2];
+    let text = told(&[report], Detail::Short);
+    assert!(
+        text.contains("0.04, width 0.04 in 2 intervals, mean"),
+        "{text}"
+    );
+}
+
+#[test]
 fn warnings_of_all_increments_are_told_once() {
     let warned = |increment: i32, kinds: &[&str]| v1::StepReport {
         increment,
