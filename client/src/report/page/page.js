@@ -1,5 +1,8 @@
 // Puts the page together.
 
+// Stretches under pressure that have a chart of their own.
+const MOST_PATHS = 4;
+
 function pick(name, options, chosen, change) {
   const select = el("select", { change: () => change(select.value) },
     options.map(([value, text]) => el("option", { value, selected: value === chosen }, text)));
@@ -92,6 +95,18 @@ function contactView(picture, body, last, kind) {
   return figure;
 }
 
+// Pressure against the way along the surface, for the longest stretches under pressure.
+function pathCharts(picture, body) {
+  const field = ["contact_pressure", "contact_pressure_deformed"].find((name) => body.values[name]);
+  if (!field || !picture.rim) return [];
+  const paths = pressedPaths(body, [...indices(picture.rim)], body.values[field]);
+  const charts = paths.slice(0, MOST_PATHS).map((path) => chart({
+    title: "Pressure along the surface", note: `from ${vector(path.from)}`,
+    x: named("way along the deformed surface", unit("length")), y: named("pressure", unit("stress")), points: path.points }));
+  const left = paths.length > MOST_PATHS ? [el("p", { class: "dim small" }, `${paths.length - MOST_PATHS} shorter stretches are left out.`)] : [];
+  return charts.length ? [el("div", { class: "charts" }, charts), ...left] : [];
+}
+
 function pictures(data, last) {
   const { picture } = data;
   if (!picture || !last) return [];
@@ -103,7 +118,7 @@ function pictures(data, last) {
   const thinned = kept < whole ? ` The surface is thinned from ${whole} to ${kept} points; the files beside this page hold all.` : "";
   return [el("h2", {}, "Body and contact"),
     el("div", { class: "views" }, shapeView(picture, body, ring), contactView(picture, body, last, kind)),
-    el("p", { class: "dim small" }, hint + thinned)];
+    el("p", { class: "dim small" }, hint + thinned), ...pathCharts(picture, body)];
 }
 
 function page(data) {
@@ -112,7 +127,7 @@ function page(data) {
   const last = steps[steps.length - 1];
   const drawn = data.picture && (steps.filter((row) => Math.abs(row.time - data.picture.time) < 1e-9).pop() || last);
   return [head(data, last), cards(last), warnings(data), forces(steps, last), pictures(data, drawn), convergence(data),
-    increments(data), reactions(last), ran(data, last),
+    increments(data), intervals(last), reactions(last), ran(data, last),
     el("p", { class: "dim small" }, `Signorini ${data.version}. The same numbers are in results.csv and results.jsonl, the fields in the files for ParaView.`)].flat();
 }
 

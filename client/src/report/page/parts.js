@@ -56,7 +56,8 @@ function cards(last) {
     card(name, behind(withError(one.along, one.error), unit("force")),
       one.travel == null ? "size of its force; it stands still" : `force along its travel of ${behind(num(one.travel), unit("length"))}`,
       `force ${vector(one.force)}`,
-      `contact area ${num(one.area)}, pressure ${behind(num(one.pressure), unit("stress"))} at most`));
+      `contact area ${num(one.area)}, pressure ${behind(num(one.pressure), unit("stress"))} at most`,
+      ...extent(one)));
   for (const [name, [motion, pressure]] of Object.entries(last.probes)) {
     all.push(card(`probe ${name}`, vector(motion), "displacement", pressure == null ? null : `pressure ${num(pressure)}`));
   }
@@ -67,6 +68,22 @@ function cards(last) {
   if (last.min_jacobian != null) all.push(card("least det F", num(last.min_jacobian), "0 would turn a cell inside out"));
   all.push(card("strain energy", num(last.energy), last.stability ? equilibrium(last.stability) : null));
   return el("div", { class: "cards" }, all);
+}
+
+// How far contact extends over the deformed surface, and where it presses most.
+function extent(one) {
+  if (one.mean == null) return [];
+  const parts = one.intervals.length > 1 ? ` in ${one.intervals.length} intervals` : "";
+  const width = one.width == null ? "" : `, width ${behind(num(one.width), unit("length"))}${parts}`;
+  return [`deformed area ${num(one.deformed_area)}${width}`, `mean pressure ${behind(num(one.mean), unit("stress"))}`,
+    `peak ${behind(num(one.peak), unit("stress"))} at ${vector(one.place)}`];
+}
+
+function intervals(last) {
+  const head = el("thead", {}, el("tr", {}, ["", "from", "to", named("width", unit("length")), named("force", unit("force"))].map((text) => el("th", {}, text))));
+  const rows = Object.entries(last.obstacles).flatMap(([name, one]) => one.intervals.map(({ start, end, width, force }) =>
+    el("tr", {}, el("th", {}, name), el("td", {}, vector(start)), el("td", {}, vector(end)), el("td", {}, num(width)), el("td", {}, vector(force)))));
+  return rows.length ? [el("h2", {}, "Intervals of contact"), el("table", { class: "words" }, head, el("tbody", {}, rows))] : [];
 }
 
 const equilibrium = (word) => (word === "not_determined" ? "not checked for stability" : `${word} of the energy`);
