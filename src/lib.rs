@@ -99,6 +99,7 @@
 //! | continuation, extrapolation along the load | `Trend` | `sqp::trend` |
 //! | counterpart: what a face meets, master surface | `Counterpart`, `Obstacle` | `contact::counterpart`, `obstacle` |
 //! | cut-back, adaptive load stepping | `Parts`, `Checkpoint` | `continuation::parts`, `continuation::checkpoint` |
+//! | edge, width and intervals of contact | `portions`, `stretches`, `ContactInterval` | `contact::edge`, `contact::stretches` |
 //! | estimate of the discretisation error by recovery | `estimate` | `results::estimate` |
 //! | factor of the body, Schur complement on contact | `FactoredBody`, `NearCompliance` | `sqp::factored_body`, `sqp::near_compliance` |
 //! | face of the feasible polyhedron | `Face` | `inequality::one_level` |
