@@ -5,13 +5,11 @@ use std::collections::{HashMap, HashSet};
 use super::deck::{Deck, Element, Entry, Face};
 use super::element::face;
 use super::error::{InpError, InpFault};
-use super::gather::{Corners, Facets, Lists, Marks, picked, sorted};
-use super::sets::{Allowance, Order, Set, Visibility};
+use super::gather::{Facets, Lists, sorted};
+use super::sets::{Allowance, Order, Visibility};
 use crate::formats::mesh::raw::{ElementKind, Owner, RawMesh};
+use crate::formats::mesh::split::{picked, triangles};
 use crate::formats::mesh::{self, BODY, BOUNDARY, MeshFault, MeshFile, outer_facets};
-
-/// Names that a warning spells out.
-const SPELLED: usize = 5;
 
 /// The mesh of a deck whose sets may have `members` members in all.
 pub(super) fn mesh(deck: Deck, members: usize) -> Result<MeshFile, InpError> {
@@ -24,17 +22,17 @@ pub(super) fn mesh(deck: Deck, members: usize) -> Result<MeshFile, InpError> {
 }
 
 /// A deck on its way to a mesh.
-struct Builder {
-    deck: Deck,
+pub(super) struct Builder {
+    pub(super) deck: Deck,
     /// Of the cells.
-    dimension: usize,
+    pub(super) dimension: usize,
     /// Positions of the elements by number.
     order: Order,
-    allowance: Allowance,
-    lists: Lists,
+    pub(super) allowance: Allowance,
+    pub(super) lists: Lists,
     /// The list of groups of each element.
     of_elements: Vec<u32>,
-    facets: Facets,
+    pub(super) facets: Facets,
     /// Dimension and name of each group; its number is its position and one.
     groups: Vec<(usize, String)>,
     /// The same, to look them up.
@@ -77,12 +75,12 @@ impl Builder {
         Ok(std::mem::take(&mut self.raw))
     }
 
-    fn has_group(&self, dimension: usize, name: &str) -> bool {
+    pub(super) fn has_group(&self, dimension: usize, name: &str) -> bool {
         self.known.contains(&(dimension, name.to_owned()))
     }
 
     /// The number of a new group.
-    fn group(&mut self, dimension: usize, name: &str) -> i64 {
+    pub(super) fn group(&mut self, dimension: usize, name: &str) -> i64 {
         self.groups.push((dimension, name.to_owned()));
         self.known.insert((dimension, name.to_owned()));
         self.groups.len() as i64
@@ -113,7 +111,7 @@ impl Builder {
     }
 
     /// Outer facets, flat.
-    fn outer_facets(&self) -> Vec<u64> {
+    pub(super) fn outer_facets(&self) -> Vec<u64> {
         let mut cells = RawMesh::default();
         let elements = self.deck.elements.iter();
         for element in elements.filter(|element| element.kind.dimension == self.dimension) {
@@ -123,7 +121,7 @@ impl Builder {
         outer_facets(&cells.blocks, self.dimension)
     }
 
-    fn elements_of(&mut self, entry: &Entry) -> Result<Vec<Element>, InpFault> {
+    pub(super) fn elements_of(&mut self, entry: &Entry) -> Result<Vec<Element>, InpFault> {
         let positions = match entry.of {
             Ok(set) => match self.deck.element_sets.all.get(set) {
                 Some(set) => self.order.members(set, &mut self.allowance)?,
@@ -148,115 +146,35 @@ impl Builder {
         outer: &HashSet<[u64; 3]>,
     ) -> Result<(), InpFault> {
         let nodes = self.deck.nodes_of(&element);
-        let dimension = element.kind.dimension;
+        let (kind, dimension) = (element.kind, element.kind.dimension);
         let (lists, facets) = (&mut self.lists, &mut self.facets);
         match which {
             Face::Number(number) if dimension == self.dimension => {
-                let local = face(dimension, number).ok_or_else(|| InpFault::UnknownFace {
+                let local = face(kind, number).ok_or_else(|| InpFault::UnknownFace {
                     element: element.number,
                     face: format!("S{number}"),
                 })?;
-                facets.add(&picked(nodes, local), group, lists);
+                for facet in parts(picked(nodes, local), dimension) {
+                    facets.add(&facet, group, lists);
+                }
             }
             Face::Outer if dimension == self.dimension => {
-                let all = (1..).map_while(|number| face(dimension, number));
-                for facet in all.map(|local| picked(nodes, local)) {
-                    if outer.contains(&sorted(&facet)) {
+                for local in kind.faces() {
+                    let all = parts(picked(nodes, local), dimension);
+                    for facet in all.filter(|facet| outer.contains(&sorted(facet))) {
                         facets.add(&facet, group, lists);
                     }
                 }
             }
             Face::Outer | Face::Number(1 | 2) if dimension + 1 == self.dimension => {
-                let corners = nodes.get(..=dimension).unwrap_or_default();
-                facets.add(corners, group, lists);
+                let corners = corners_of(nodes, kind);
+                for facet in parts(corners, self.dimension) {
+                    facets.add(&facet, group, lists);
+                }
             }
             Face::Outer | Face::Number(_) => {}
         }
         Ok(())
-    }
-
-    /// Sets of nodes: outer facets with all corners in the set.
-    fn node_sets(&mut self) -> Result<(), InpFault> {
-        let sets = std::mem::take(&mut self.deck.node_sets);
-        let is_group = |set: &&Set| set.visibility == Visibility::Group;
-        if !sets.all.iter().any(|set| is_group(&set)) {
-            return Ok(());
-        }
-        let order = Order::new(self.deck.nodes.iter().map(|(number, _)| *number));
-        let corners = Corners::new(&self.outer_facets(), self.dimension, &order);
-        let mut marks = Marks::new(self.deck.nodes.len());
-        let mut without = Vec::new();
-        for (index, set) in sets.all.iter().enumerate().filter(|(_, set)| is_group(set)) {
-            if self.has_group(self.dimension - 1, &set.name) {
-                continue;
-            }
-            let mut members = order.members(set, &mut self.allowance)?;
-            self.add_nodes_of_elements(index, &order, &mut members)?;
-            marks.set(&members);
-            let found = corners.within(&members, &marks);
-            if found.is_empty() {
-                without.push(set.name.as_str());
-                continue;
-            }
-            let group = self.group(self.dimension - 1, &set.name);
-            for facet in found {
-                let number = |at: &u32| self.deck.nodes.get(*at as usize).map(|node| node.0);
-                let facet: Vec<u64> = facet.iter().filter_map(number).collect();
-                self.facets.add(&facet, group, &mut self.lists);
-            }
-        }
-        self.warn_without_facets(&without);
-        Ok(())
-    }
-
-    /// Adds the nodes of the sets of elements that a set of nodes is made of.
-    fn add_nodes_of_elements(
-        &mut self,
-        set: usize,
-        order: &Order,
-        members: &mut Vec<u32>,
-    ) -> Result<(), InpFault> {
-        let pairs = self.deck.nodes_of_elements.iter();
-        let elements: Vec<usize> = pairs
-            .filter(|(of, _)| *of == set)
-            .map(|pair| pair.1)
-            .collect();
-        for elements in elements {
-            members.extend(self.nodes_of_set(elements, order)?);
-        }
-        members.sort_unstable();
-        members.dedup();
-        Ok(())
-    }
-
-    fn warn_without_facets(&mut self, names: &[&str]) {
-        if names.is_empty() {
-            return;
-        }
-        let spelled: Vec<&str> = names.iter().take(SPELLED).copied().collect();
-        let more = match names.len().saturating_sub(SPELLED) {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        self.deck.warnings.push(format!(
-            "sets of nodes that hold no whole facet of the surface are left out: {}{more}",
-            spelled.join(", ")
-        ));
-    }
-
-    /// Positions of the nodes of a set of elements.
-    fn nodes_of_set(&mut self, set: usize, order: &Order) -> Result<Vec<u32>, InpFault> {
-        let entry = Entry {
-            of: Ok(set),
-            face: Face::Outer,
-        };
-        let mut positions = Vec::new();
-        for element in self.elements_of(&entry)? {
-            let nodes = self.deck.nodes_of(&element);
-            self.allowance.take(nodes.len())?;
-            positions.extend(nodes.iter().filter_map(|node| order.position(*node)));
-        }
-        Ok(positions)
     }
 
     fn element_sets(&mut self) -> Result<(), InpFault> {
@@ -314,24 +232,20 @@ impl Builder {
             } else if dimension + 1 == self.dimension {
                 let group = of_facets.unwrap_or_else(|| self.group(dimension, name));
                 of_facets = Some(group);
-                let corners = self.corners(&element);
-                self.facets.add(&corners, group, &mut self.lists);
+                for facet in parts(self.corners(&element), self.dimension) {
+                    self.facets.add(&facet, group, &mut self.lists);
+                }
             }
         }
     }
 
     /// Vertices of an element of the surface. Programs do not agree on where a line of three
     /// nodes has its middle: it is the one that no other line ends at.
-    fn corners(&self, element: &Element) -> Vec<u64> {
+    fn corners(&self, element: &Element) -> [u64; 4] {
         let nodes = self.deck.nodes_of(element);
         match (element.kind.dimension, nodes) {
-            (1, &[a, b, c]) if self.is_middle(b, [a, c]) => vec![a, c],
-            (1, &[a, b, _]) => vec![a, b],
-            _ => nodes
-                .iter()
-                .take(element.kind.vertices())
-                .copied()
-                .collect(),
+            (1, &[a, b, c]) if self.is_middle(b, [a, c]) => corners_of(&[a, c], element.kind),
+            _ => corners_of(nodes, element.kind),
         }
     }
 
@@ -422,6 +336,23 @@ impl Builder {
         }
         InpFault::Mesh(fault)
     }
+}
+
+/// Corners of an element of the surface; fewer than four fill up with the largest number.
+fn corners_of(nodes: &[u64], kind: ElementKind) -> [u64; 4] {
+    let mut corners = [u64::MAX; 4];
+    for (slot, node) in corners.iter_mut().zip(nodes).take(kind.vertices()) {
+        *slot = *node;
+    }
+    corners
+}
+
+/// The facets of a face: triangles of the space, the segment itself in the plane.
+pub(super) fn parts(face: [u64; 4], dimension: usize) -> impl Iterator<Item = [u64; 3]> {
+    let [a, b, c, _] = face;
+    let segment = (dimension == 2 && a != b).then_some([a, b, c]);
+    let in_space = (dimension == 3).then(|| triangles(face));
+    segment.into_iter().chain(in_space.into_iter().flatten())
 }
 
 /// Where nodes are, if the file has lines of three nodes.

@@ -15,7 +15,7 @@ pub(super) struct Element {
 /// Faces of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Face {
-    /// `S1` to `S4` of cells.
+    /// `S1` to `S6` of cells.
     Number(usize),
     /// The faces of cells that are on the surface of the body, or elements of the surface.
     Outer,

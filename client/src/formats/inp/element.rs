@@ -5,32 +5,57 @@
 
 use crate::formats::mesh::raw::ElementKind;
 
-const LINE_2: (usize, usize) = (1, 2);
-const LINE_3: (usize, usize) = (1, 3);
-const TRIANGLE_3: (usize, usize) = (2, 3);
-const TRIANGLE_6: (usize, usize) = (2, 6);
-const TETRAHEDRON_4: (usize, usize) = (3, 4);
-const TETRAHEDRON_10: (usize, usize) = (3, 10);
+/// Dimension and nodes.
+type Form = (usize, usize);
+
+const LINE_2: Form = (1, 2);
+const LINE_3: Form = (1, 3);
+const TRIANGLE_3: Form = (2, 3);
+const TRIANGLE_6: Form = (2, 6);
+const QUADRANGLE_4: Form = (2, 4);
+const QUADRANGLE_8: Form = (2, 8);
+const TETRAHEDRON_4: Form = (3, 4);
+const TETRAHEDRON_10: Form = (3, 10);
 
 /// Beginnings of names; what may follow is letters.
-const TYPES: [(&str, (usize, usize)); 34] = [
+const TYPES: &[(&str, Form)] = &[
     ("C3D4", TETRAHEDRON_4),
     ("C3D10", TETRAHEDRON_10),
+    ("C3D5", (3, 5)),
+    ("C3D13", (3, 13)),
+    ("C3D6", (3, 6)),
+    ("C3D15", (3, 15)),
+    ("C3D8", (3, 8)),
+    ("C3D20", (3, 20)),
     ("CPE3", TRIANGLE_3),
+    ("CPE4", QUADRANGLE_4),
     ("CPE6", TRIANGLE_6),
+    ("CPE8", QUADRANGLE_8),
     ("CPS3", TRIANGLE_3),
+    ("CPS4", QUADRANGLE_4),
     ("CPS6", TRIANGLE_6),
+    ("CPS8", QUADRANGLE_8),
     ("CAX3", TRIANGLE_3),
+    ("CAX4", QUADRANGLE_4),
     ("CAX6", TRIANGLE_6),
+    ("CAX8", QUADRANGLE_8),
     ("S3", TRIANGLE_3),
+    ("S4", QUADRANGLE_4),
     ("S6", TRIANGLE_6),
+    ("S8", QUADRANGLE_8),
+    ("S8R5", QUADRANGLE_8),
     ("STRI3", TRIANGLE_3),
     ("STRI65", TRIANGLE_6),
     ("M3D3", TRIANGLE_3),
+    ("M3D4", QUADRANGLE_4),
     ("M3D6", TRIANGLE_6),
+    ("M3D8", QUADRANGLE_8),
     ("SFM3D3", TRIANGLE_3),
+    ("SFM3D4", QUADRANGLE_4),
     ("SFM3D6", TRIANGLE_6),
+    ("SFM3D8", QUADRANGLE_8),
     ("R3D3", TRIANGLE_3),
+    ("R3D4", QUADRANGLE_4),
     ("T2D2", LINE_2),
     ("T2D3", LINE_3),
     ("T3D2", LINE_2),
@@ -61,13 +86,8 @@ pub(super) fn kind(name: &str) -> Option<ElementKind> {
 }
 
 /// Local vertices of the face `S{number}` of a cell.
-pub(super) fn face(dimension: usize, number: usize) -> Option<&'static [usize]> {
-    let faces: &[&[usize]] = match dimension {
-        2 => &[&[0, 1], &[1, 2], &[2, 0]],
-        3 => &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
-        _ => &[],
-    };
-    faces.get(number.checked_sub(1)?).copied()
+pub(super) fn face(kind: ElementKind, number: usize) -> Option<&'static [usize]> {
+    kind.faces().get(number.checked_sub(1)?).copied()
 }
 
 #[cfg(test)]
@@ -80,9 +100,17 @@ mod tests {
             assert_eq!(kind(name).map(|kind| kind.nodes), Some(10), "{name}");
         }
         assert_eq!(kind("CAX6MH").map(|kind| kind.dimension), Some(2));
-        for name in [
-            "C3D8R", "C3D15", "CPE4H", "CAX8", "C3D40", "", "MASS", "S4R",
+        for (name, nodes) in [
+            ("C3D8R", 8),
+            ("C3D8IH", 8),
+            ("C3D20R", 20),
+            ("CPE4RH", 4),
+            ("S4R", 4),
+            ("S8R5", 8),
         ] {
+            assert_eq!(kind(name).map(|kind| kind.nodes), Some(nodes), "{name}");
+        }
+        for name in ["C3D27", "C3D40", "", "MASS", "CPE5H", "COH3D8"] {
             assert_eq!(kind(name), None, "{name}");
         }
     }

@@ -19,7 +19,7 @@ pub enum InpFault {
     Unsupported(String),
     /// An element shape that the solver does not have.
     #[error(
-        "elements of type {0}: only tetrahedra (C3D4, C3D10) and triangles (CPE3, CPE6, CAX3, CAX6, each with suffixes such as H and M) carry a solution"
+        "elements of type {0}: tetrahedra (C3D4, C3D10), hexahedra (C3D8, C3D20), wedges (C3D6, C3D15), pyramids (C3D5, C3D13), triangles and quadrangles (CPE, CPS, CAX with 3, 4, 6 or 8), each with suffixes such as H, R and M, carry a solution"
     )]
     UnsupportedElement(String),
     /// A keyword without a parameter that it needs.

@@ -60,5 +60,5 @@ pub(super) fn face_number(keyword: &Keyword, line: usize, name: &str) -> Result<
     let number = name
         .strip_prefix('S')
         .and_then(|number| number.parse().ok());
-    number.ok_or_else(|| unexpected(keyword, line, "a face (S1 to S4)", name.as_bytes()))
+    number.ok_or_else(|| unexpected(keyword, line, "a face (S1 to S6)", name.as_bytes()))
 }

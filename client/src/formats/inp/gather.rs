@@ -73,14 +73,6 @@ impl Facets {
     }
 }
 
-/// Nodes of a face.
-pub(super) fn picked(nodes: &[u64], local: &[usize]) -> Vec<u64> {
-    local
-        .iter()
-        .filter_map(|at| nodes.get(*at).copied())
-        .collect()
-}
-
 /// What is equal for facets of the same nodes.
 pub(super) fn sorted(facet: &[u64]) -> [u64; 3] {
     let mut key = [u64::MAX; 3];
@@ -91,47 +83,44 @@ pub(super) fn sorted(facet: &[u64]) -> [u64; 3] {
     key
 }
 
-/// Outer facets by positions of their corners, in the order of the lowest one.
+/// Outer faces by positions of their corners, in the order of the lowest one.
 pub(super) struct Corners {
-    facets: Vec<u32>,
-    width: usize,
+    /// Faces of fewer than four corners fill up with the largest number.
+    faces: Vec<[u32; 4]>,
     lowest: Vec<(u32, u32)>,
 }
 
 impl Corners {
-    pub(super) fn new(facets: &[u64], width: usize, order: &Order) -> Self {
-        let position = |node: &u64| order.position(*node).unwrap_or(u32::MAX);
-        let facets: Vec<u32> = facets.iter().map(position).collect();
-        let rows = facets.chunks_exact(width);
-        let lowest = rows.map(|facet| facet.iter().min().copied().unwrap_or(u32::MAX));
+    pub(super) fn new(faces: &[[u64; 4]], order: &Order) -> Self {
+        let position = |node: u64| order.position(node).unwrap_or(u32::MAX);
+        let faces: Vec<[u32; 4]> = faces.iter().map(|face| face.map(position)).collect();
+        let lowest = faces
+            .iter()
+            .map(|face| face.iter().min().copied().unwrap_or(u32::MAX));
         let mut lowest: Vec<(u32, u32)> = lowest.zip(0..).collect();
         lowest.sort_unstable();
-        Self {
-            facets,
-            width,
-            lowest,
-        }
+        Self { faces, lowest }
     }
 
-    /// Facets with all corners among some nodes, which are marked.
-    pub(super) fn within(&self, nodes: &[u32], marks: &Marks) -> Vec<&[u32]> {
-        let facets = nodes.iter().flat_map(|lowest| self.with_lowest(*lowest));
-        let inside = |facet: &&[u32]| facet.iter().all(|node| marks.has(*node));
-        facets.filter(inside).collect()
+    /// Faces with all corners among some nodes, which are marked.
+    pub(super) fn within(&self, nodes: &[u32], marks: &Marks) -> Vec<[u32; 4]> {
+        let faces = nodes.iter().flat_map(|lowest| self.with_lowest(*lowest));
+        let inside = |face: &[u32; 4]| {
+            let mut corners = face.iter().filter(|corner| **corner != u32::MAX);
+            corners.all(|corner| marks.has(*corner))
+        };
+        faces.filter(inside).collect()
     }
 
-    /// Facets whose lowest corner this is.
-    fn with_lowest(&self, corner: u32) -> impl Iterator<Item = &[u32]> {
+    /// Faces whose lowest corner this is.
+    fn with_lowest(&self, corner: u32) -> impl Iterator<Item = [u32; 4]> {
         let from = self.lowest.partition_point(|(lowest, _)| *lowest < corner);
         let same = self
             .lowest
             .iter()
             .skip(from)
             .take_while(move |(lowest, _)| *lowest == corner);
-        same.filter_map(|(_, row)| {
-            let first = *row as usize * self.width;
-            self.facets.get(first..first + self.width)
-        })
+        same.filter_map(|(_, row)| self.faces.get(*row as usize).copied())
     }
 }
 

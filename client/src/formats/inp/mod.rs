@@ -5,10 +5,11 @@
 //! |---|---|
 //! | `*NODE` | vertices, in the order of their numbers; middle nodes give the curved edges |
 //! | `*ELEMENT` C3D4, C3D10; CPE3, CPE6, CAX3, CAX6 (CPS3, CPS6), with suffixes H, M, ... | cells |
+//! | hexahedra, wedges, pyramids (C3D8, C3D20, C3D6, C3D15, C3D5, C3D13), quadrangles (CPE4, CAX8, ...) | cells, split ([`super::mesh`]) |
 //! | `*ELEMENT` of shells, membranes, beams and trusses | facets of the groups of their sets |
 //! | `*ELSET`, `ELSET=` | groups of cells |
 //! | `MATERIAL=` of `*SOLID SECTION` | groups of cells |
-//! | `*SURFACE` of faces (S1 to S4, or none for all outer ones) | groups of facets |
+//! | `*SURFACE` of faces (S1 to S6, or none for all outer ones) | groups of facets |
 //! | `*NSET`, `NSET=`, `*SURFACE, TYPE=NODE` | groups of the facets of the surface whose corners are all in the set |
 //! | `*PART`, `*INSTANCE` | one of each, moved by the translation of the instance |
 //!
@@ -29,6 +30,7 @@ mod element;
 mod error;
 mod fields;
 mod gather;
+mod node_sets;
 mod reader;
 mod sets;
 

@@ -184,8 +184,8 @@ fn each_kind_of_bad_file_has_its_fault() {
         InpFault::Unsupported(_)
     ));
     assert_eq!(
-        fault("C3D4H", "C3D8R"),
-        InpFault::UnsupportedElement("C3D8R".into())
+        fault("C3D4H", "C3D27"),
+        InpFault::UnsupportedElement("C3D27".into())
     );
     assert_eq!(
         fault("TYPE=C3D4H, ", ""),
@@ -200,6 +200,15 @@ fn each_kind_of_bad_file_has_its_fault() {
         InpFault::UnknownSet("none".into())
     );
     assert_eq!(fault("10, S2", "30, S2"), InpFault::UnknownElement(30));
+    assert_eq!(
+        fault("C3D4H", "C3D8R"),
+        InpFault::NodeCount {
+            element: 10,
+            kind: "C3D8R".into(),
+            expected: 8,
+            found: 9
+        }
+    );
     assert!(matches!(
         fault("10, S2", "10, S5"),
         InpFault::UnknownFace { element: 10, .. }
@@ -230,4 +239,44 @@ fn each_kind_of_bad_file_has_its_fault() {
         read(lines.as_bytes()).unwrap_err().fault,
         InpFault::Mesh(MeshFault::NoCells)
     );
+}
+
+/// A unit cube of one hexahedron with a skin of its top, and sets and surfaces of its faces.
+const CUBE: &str = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.\n5, 0., 0., 1.\n\
+    6, 1., 0., 1.\n7, 1., 1., 1.\n8, 0., 1., 1.\n*ELEMENT, TYPE=C3D8R, ELSET=core\n9, 1, 2, 3, 4, 5, 6, 7, 8\n\
+    *ELEMENT, TYPE=S4R, ELSET=skin\n10, 5, 6, 7, 8\n*NSET, NSET=floor\n1, 2, 3, 4\n\
+    *NSET, NSET=corner\n1, 2, 4, 3, 5\n*NSET, NSET=three\n1, 2, 6\n\
+    *SURFACE, NAME=side\n9, S4\n*SURFACE, NAME=all\ncore,\n*SURFACE, NAME=top\n9, S2\n";
+
+#[test]
+fn faces_of_a_split_cell_are_two_facets_of_its_sets_and_surfaces() {
+    let mesh = read(CUBE.as_bytes()).unwrap();
+    assert_eq!((mesh.cell_count(), mesh.facet_count()), (6, 12));
+    assert_eq!(facets(&mesh, "floor"), [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(facets(&mesh, "side"), [[1, 2, 6], [1, 5, 6]]);
+    assert_eq!(facets(&mesh, "top"), [[4, 5, 6], [4, 6, 7]]);
+    assert_eq!(facets(&mesh, "skin"), facets(&mesh, "top"));
+    assert_eq!(facets(&mesh, "all").len(), 12);
+    // Half a face is none.
+    assert_eq!(facets(&mesh, "corner"), facets(&mesh, "floor"));
+    assert!(mesh.groups.iter().all(|group| group.name != "three"));
+    let core = mesh
+        .groups
+        .iter()
+        .find(|group| group.name == "core")
+        .unwrap();
+    assert_eq!(core.members, [0, 1, 2, 3, 4, 5]);
+}
+
+#[test]
+fn sides_of_quadrangles_are_those_of_their_triangles() {
+    let text = "*NODE\n1, 0., 0.\n2, 1., 0.\n3, 1., 1.\n4, 0., 1.\n*ELEMENT, TYPE=CAX4H\n1, 1, 2, 3, 4\n\
+        *SURFACE, NAME=right\n1, S2\n*SURFACE, NAME=left\n1, S4\n*NSET, NSET=top\n3, 4\n\
+        *SURFACE, NAME=all\n1,\n";
+    let mesh = read(text.as_bytes()).unwrap();
+    assert_eq!(mesh.cells, [0, 1, 2, 0, 2, 3]);
+    assert_eq!(facets(&mesh, "right"), [[1, 2]]);
+    assert_eq!(facets(&mesh, "left"), [[0, 3]]);
+    assert_eq!(facets(&mesh, "top"), [[2, 3]]);
+    assert_eq!(facets(&mesh, "all").len(), 4);
 }

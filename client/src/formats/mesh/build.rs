@@ -10,7 +10,8 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use super::curved::Source;
 use super::fault::MeshFault;
 use super::plane::{PLANE_TOLERANCE, extent};
-use super::raw::{Block, Owner, RawMesh};
+use super::raw::{Block, ElementKind, Owner, RawMesh};
+use super::split::Simplices;
 use super::{CurvedEdge, MeshFile, MeshGroup};
 
 /// Indices on the wire are signed 32-bit numbers.
@@ -87,6 +88,13 @@ impl Numbering {
     fn tag(&self, vertex: u32) -> u64 {
         let found = self.sorted.get(vertex as usize);
         found.map_or(u64::MAX, |(tag, _)| *tag)
+    }
+
+    /// Where a node is; of one that is not there, the origin.
+    fn place(&self, tag: u64) -> [f64; 3] {
+        let found = self.index(tag).ok();
+        let found = found.and_then(|index| self.sorted.get(index as usize));
+        found.map(|(_, place)| *place).unwrap_or_default()
     }
 
     fn index(&self, tag: u64) -> Result<u32, MeshFault> {
@@ -177,18 +185,41 @@ fn collect(
             continue;
         }
         for element in block.nodes.chunks_exact(block.kind.nodes) {
-            let mut vertices = [u32::MAX; 4];
-            for (slot, tag) in vertices.iter_mut().zip(element.iter().take(dimension + 1)) {
-                *slot = numbering.index(*tag)?;
-            }
-            let vertices = vertices.get(..=dimension).unwrap_or_default();
-            match block.owner {
-                Owner::Physical(group) => elements.add_copy(vertices, group)?,
-                Owner::Entity(_) => elements.add(vertices, &groups)?,
+            for simplex in simplices(block.kind, element, part, numbering)?.iter() {
+                let mut vertices = [u32::MAX; 4];
+                for (slot, tag) in vertices.iter_mut().zip(simplex).take(dimension + 1) {
+                    *slot = numbering.index(*tag)?;
+                }
+                let vertices = vertices.get(..=dimension).unwrap_or_default();
+                match block.owner {
+                    Owner::Physical(group) => elements.add_copy(vertices, group)?,
+                    Owner::Entity(_) => elements.add(vertices, &groups)?,
+                }
             }
         }
     }
     Ok(elements)
+}
+
+/// The simplices of an element; those of a cell turned alike.
+fn simplices(
+    kind: ElementKind,
+    element: &[u64],
+    part: Part,
+    numbering: &Numbering,
+) -> Result<Simplices, MeshFault> {
+    if part == Part::Facets || kind.composite().is_none() {
+        return Ok(Simplices::of(kind, element));
+    }
+    let corners = element.get(..kind.vertices()).unwrap_or(element);
+    for corner in corners {
+        numbering.index(*corner)?;
+    }
+    let placed = Simplices::placed(kind, element, |tag| numbering.place(tag));
+    placed.ok_or_else(|| {
+        let numbers: Vec<String> = corners.iter().map(u64::to_string).collect();
+        MeshFault::Folded(numbers.join(", "))
+    })
 }
 
 fn groups_of(raw: &RawMesh, block: &Block) -> Vec<i64> {
@@ -295,9 +326,33 @@ fn warnings(
             "{cells} cells are of second order, but every edge of the surface is a straight line"
         ));
     }
+    warnings.extend(split(blocks, dimension));
     let ignored = raw.names.iter().filter(|((of, _), _)| *of + 1 < dimension);
     warnings.extend(ignored.map(|((of, _), name)| {
         format!("group \"{name}\" of dimension {of} is ignored: only cells and facets have groups")
     }));
     warnings
+}
+
+/// What is told of cells that are no simplices.
+fn split(blocks: &[Block], dimension: usize) -> Option<String> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for block in blocks.iter().filter(|b| b.kind.dimension == dimension) {
+        if let Some(name) = block.kind.composite() {
+            *counts.entry(name).or_default() += block.nodes.len() / block.kind.nodes;
+        }
+    }
+    let counts: Vec<String> = counts
+        .into_iter()
+        .filter(|(_, count)| *count > 0)
+        .map(|(name, count)| format!("{count} {name}"))
+        .collect();
+    let (parts, of) = match dimension {
+        2 => ("triangles", "each"),
+        _ => ("tetrahedra", "each face"),
+    };
+    (!counts.is_empty()).then(|| {
+        let counts = counts.join(", ");
+        format!("{counts} are split into {parts}, {of} along the diagonal through its smallest node number")
+    })
 }

@@ -6,7 +6,9 @@
 //!
 //! Cells and facets that share an edge must agree on its middle. Only edges of the
 //! surface keep an offset, and only one that is more than rounding: inside the body
-//! edges are lines. Cost: one sort of all edges, nothing in a mesh of first order.
+//! edges are lines. Where a face of four corners is split, its diagonal goes through the centre
+//! of the face: its node, else the serendipity value (half the sum of the middles less a quarter of
+//! the sum of the corners). Cost: one sort of all edges, nothing in a mesh of first order.
 
 use std::collections::HashMap;
 
@@ -14,6 +16,7 @@ use super::CurvedEdge;
 use super::fault::MeshFault;
 use super::plane::{PLANE_TOLERANCE, extent};
 use super::raw::Block;
+use super::split::{picked, triangles};
 
 /// Distance over the length of an edge that is taken as rounding.
 const ROUNDING: f64 = 1e-9;
@@ -50,7 +53,7 @@ impl Source<'_> {
         index: impl Fn(u64) -> Result<u32, MeshFault>,
         tag: impl Fn(u32) -> u64,
     ) -> Result<Vec<CurvedEdge>, MeshFault> {
-        let mut middles = self.middles(index)?;
+        let mut middles = self.middles(&index)?;
         if middles.is_empty() {
             return Ok(Vec::new());
         }
@@ -79,7 +82,54 @@ impl Source<'_> {
                 curved.push(CurvedEdge { ends, offset });
             }
         }
+        let is_known = |ends: [u32; 2]| {
+            let known = middles.binary_search_by_key(&ends, |middle| middle.ends);
+            known.is_ok() || surface.binary_search(&ends).is_err()
+        };
+        for diagonal in self.diagonals(index, &places)? {
+            let (size, length) = (
+                distance(&diagonal.offset, &[0.0; 3]),
+                self.length(diagonal.ends),
+            );
+            if is_known(diagonal.ends) || size <= ROUNDING * length {
+                continue;
+            }
+            if size > FARTHEST * length {
+                let [a, b] = diagonal.ends.map(tag);
+                return Err(MeshFault::EdgeTooFar(a, b));
+            }
+            curved.push(diagonal);
+        }
+        curved.sort_by_key(|edge| edge.ends);
+        curved.dedup_by_key(|edge| edge.ends);
         Ok(curved)
+    }
+
+    /// The diagonals of the faces of four corners that have middles.
+    fn diagonals(
+        &self,
+        index: impl Fn(u64) -> Result<u32, MeshFault>,
+        places: &HashMap<u64, [f64; 3]>,
+    ) -> Result<Vec<CurvedEdge>, MeshFault> {
+        let mut diagonals = Vec::new();
+        // Those of quadrangles of the plane are inside.
+        let blocks = self.blocks.iter().filter(|_| self.dimension == 3);
+        for block in blocks.filter(|block| block.kind.composite().is_some()) {
+            for element in block.nodes.chunks_exact(block.kind.nodes) {
+                for face in Face::of(block, element) {
+                    let [a, b] = face.diagonal;
+                    let (a, b) = (index(a)?, index(b)?);
+                    let ends = [a.min(b), a.max(b)];
+                    let corner = |tag: u64| index(tag).map(|vertex| self.point(vertex));
+                    let centre = face.centre(corner, |node| places.get(&node).copied())?;
+                    let [a, b] = ends.map(|end| self.point(end));
+                    let mean = combined([(0.5, a), (0.5, b)]);
+                    let offset = combined([(1.0, centre), (-1.0, mean)]);
+                    diagonals.push(CurvedEdge { ends, offset });
+                }
+            }
+        }
+        Ok(diagonals)
     }
 
     /// The middles of the edges of all cells and facets of second order.
@@ -100,7 +150,10 @@ impl Source<'_> {
                     };
                     let (a, b) = (index(a)?, index(b)?);
                     let ends = [a.min(b), a.max(b)];
-                    middles.push(Middle { ends, node });
+                    // Cells that are collapsed have edges of one node.
+                    if a != b {
+                        middles.push(Middle { ends, node });
+                    }
                 }
             }
         }
@@ -110,6 +163,13 @@ impl Source<'_> {
     /// Where the nodes of the middles are.
     fn places(&self, middles: &[Middle]) -> Result<HashMap<u64, [f64; 3]>, MeshFault> {
         let mut wanted: Vec<u64> = middles.iter().map(|middle| middle.node).collect();
+        for block in self.blocks {
+            let centres = (0..).map_while(|face| block.kind.faces().get(face).map(|_| face));
+            let centres: Vec<usize> = centres.filter_map(|face| block.kind.centre(face)).collect();
+            for element in block.nodes.chunks_exact(block.kind.nodes) {
+                wanted.extend(centres.iter().filter_map(|at| element.get(*at)));
+            }
+        }
         wanted.sort_unstable();
         wanted.dedup();
         let flat = match self.dimension {
@@ -188,6 +248,74 @@ impl Source<'_> {
         edges.dedup();
         edges
     }
+}
+
+/// A face of four corners with its middles.
+struct Face {
+    diagonal: [u64; 2],
+    corners: [u64; 4],
+    middles: [u64; 4],
+    centre: Option<u64>,
+}
+
+impl Face {
+    /// Those of an element that are split; a quadrangle is its own.
+    fn of<'a>(block: &'a Block, element: &'a [u64]) -> impl Iterator<Item = Self> + 'a {
+        let kind = block.kind;
+        const WHOLE: &[&[usize]] = &[&[0, 1, 2, 3]];
+        let faces = if kind.dimension == 2 {
+            WHOLE
+        } else {
+            kind.faces()
+        };
+        faces.iter().enumerate().filter_map(move |(number, local)| {
+            let &[a, b, c, d] = *local else { return None };
+            let corners = picked(element, local);
+            let mut halves = triangles(corners);
+            // Both halves begin at an end of the diagonal.
+            let ([first, ..], [_, _, _]) = (halves.next()?, halves.next()?);
+            let at = corners.iter().position(|corner| *corner == first)?;
+            let diagonal = [first, *corners.get((at + 2) % 4)?];
+            let middle = |ends: (usize, usize)| {
+                let is_edge = |edge: &(usize, usize)| *edge == ends || *edge == (ends.1, ends.0);
+                let edge = kind.edges().iter().position(is_edge)?;
+                element.get(kind.vertices() + edge).copied()
+            };
+            Some(Self {
+                diagonal,
+                corners,
+                middles: [
+                    middle((a, b))?,
+                    middle((b, c))?,
+                    middle((c, d))?,
+                    middle((d, a))?,
+                ],
+                centre: kind.centre(number).and_then(|at| element.get(at).copied()),
+            })
+        })
+    }
+
+    fn centre(
+        &self,
+        corner: impl Fn(u64) -> Result<[f64; 3], MeshFault>,
+        place: impl Fn(u64) -> Option<[f64; 3]>,
+    ) -> Result<[f64; 3], MeshFault> {
+        let found = |node: u64| place(node).ok_or(MeshFault::UnknownNode(node));
+        if let Some(node) = self.centre {
+            return found(node);
+        }
+        let mut centre = [0.0; 3];
+        for (&at, &middle) in self.corners.iter().zip(&self.middles) {
+            centre = combined([(1.0, centre), (-0.25, corner(at)?)]);
+            centre = combined([(1.0, centre), (0.5, found(middle)?)]);
+        }
+        Ok(centre)
+    }
+}
+
+/// The sum of two points with weights.
+fn combined([(s, [a, b, c]), (t, [x, y, z])]: [(f64, [f64; 3]); 2]) -> [f64; 3] {
+    [s * a + t * x, s * b + t * y, s * c + t * z]
 }
 
 fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {

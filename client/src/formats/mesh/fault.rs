@@ -31,6 +31,11 @@ pub enum MeshFault {
         "the middle of the edge between the nodes {0} and {1} is farther away than half the edge: are the nodes of the element in the order that the format asks for?"
     )]
     EdgeTooFar(u64, u64),
+    /// A cell whose split turns a tetrahedron or a triangle over, or leaves one flat.
+    #[error(
+        "the cell with the nodes {0} is bent so far, or its nodes are in such an order, that a tetrahedron or triangle of its split is flat or turned over: move its nodes, or mesh with tetrahedra or triangles"
+    )]
+    Folded(String),
     /// Nothing to solve on.
     #[error("no triangles or tetrahedra")]
     NoCells,

@@ -1,4 +1,7 @@
 //! Meshes as files give them, and how readers build them.
+//!
+//! Hexahedra, wedges, pyramids and quadrangles are split into tetrahedra and triangles: the
+//! diagonal of each face through its smallest node number, told in a warning.
 
 mod build;
 mod curved;
@@ -6,6 +9,8 @@ mod fault;
 mod outer;
 mod plane;
 pub(crate) mod raw;
+mod shape;
+pub(crate) mod split;
 
 pub(crate) use build::mesh as build;
 pub use fault::MeshFault;

@@ -2,30 +2,28 @@
 //!
 //! Cost: one sort of the facets of all cells.
 
-use super::raw::Block;
+use super::raw::{Block, ElementKind};
+use super::split::{Simplices, picked};
 
 /// Name of the cells where a file names none.
 pub(crate) const BODY: &str = "body";
 /// Name of the surface where a file names no part of it.
 pub(crate) const BOUNDARY: &str = "boundary";
 
-/// Local vertices of the facets of a cell, by dimension.
-fn local_facets(dimension: usize) -> &'static [&'static [usize]] {
-    match dimension {
-        2 => &[&[0, 1], &[1, 2], &[2, 0]],
-        3 => &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
-        _ => &[],
-    }
-}
-
 /// Node numbers of the facets that one cell alone has, flat, as many a facet as
-/// `dimension`; in ascending order of their sorted nodes.
+/// `dimension`; in ascending order of their sorted nodes. Cells that are no simplices are split.
 pub(crate) fn outer_facets(blocks: &[Block], dimension: usize) -> Vec<u64> {
+    let simplex = ElementKind {
+        dimension,
+        nodes: dimension + 1,
+    };
     let mut facets: Vec<[u64; 6]> = Vec::new();
     for block in blocks.iter().filter(|b| b.kind.dimension == dimension) {
         for cell in block.nodes.chunks_exact(block.kind.nodes) {
-            let all = local_facets(dimension).iter();
-            facets.extend(all.map(|local| keyed(cell, local)));
+            for part in Simplices::of(block.kind, cell).iter() {
+                let all = simplex.faces().iter();
+                facets.extend(all.map(|local| keyed(part, local)));
+            }
         }
     }
     facets.sort_unstable();
@@ -39,12 +37,8 @@ pub(crate) fn outer_facets(blocks: &[Block], dimension: usize) -> Vec<u64> {
 
 /// The sorted nodes of a facet, then its nodes; a segment fills up with the largest number.
 fn keyed(cell: &[u64], local: &[usize]) -> [u64; 6] {
-    let mut nodes = [u64::MAX; 3];
-    for (slot, at) in nodes.iter_mut().zip(local) {
-        *slot = cell.get(*at).copied().unwrap_or(u64::MAX);
-    }
-    let [a, b, c] = nodes;
-    let mut sorted = nodes;
+    let [a, b, c, _] = picked(cell, local);
+    let mut sorted = [a, b, c];
     sorted.sort_unstable();
     let [low, middle, high] = sorted;
     [low, middle, high, a, b, c]

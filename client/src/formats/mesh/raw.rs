@@ -6,29 +6,10 @@ use std::collections::{BTreeMap, HashMap};
 /// An element that a mesh can be made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ElementKind {
-    /// 0 point, 1 line, 2 triangle, 3 tetrahedron.
+    /// 0 point, 1 line, 2 triangle or quadrangle, 3 a cell of the space.
     pub(crate) dimension: usize,
-    /// Nodes of an element, vertices first.
+    /// Nodes of an element, corners first; their number tells the shape.
     pub(crate) nodes: usize,
-}
-
-impl ElementKind {
-    /// Corners, which come first among the nodes of an element.
-    pub(crate) fn vertices(self) -> usize {
-        self.dimension + 1
-    }
-
-    /// Ends of the edge of each further node, in the order of Gmsh: the last two edges
-    /// of a tetrahedron are (2,3) and (1,3), which Abaqus and VTK have the other way
-    /// round. None for elements of first order.
-    pub(crate) fn edges(self) -> &'static [(usize, usize)] {
-        match (self.dimension, self.nodes) {
-            (1, 3) => &[(0, 1)],
-            (2, 6) => &[(0, 1), (1, 2), (0, 2)],
-            (3, 10) => &[(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)],
-            _ => &[],
-        }
-    }
 }
 
 /// What says which groups a block of elements is in.
