@@ -3,7 +3,7 @@
 //!
 //! | format | content | extension |
 //! |---|---|---|
-//! | Gmsh ([`super::msh`]) | `$MeshFormat` | `.msh` |
+//! | Gmsh ([`super::msh`]) | `$MeshFormat`, or `$Comments` before it | `.msh` |
 //! | VTK ([`super::vtk`]) | `# vtk DataFile`, or XML with `<VTKFile` | `.vtk`, `.vtu` |
 //! | Abaqus ([`super::inp`]) | a first line `*KEYWORD` or `** comment` | `.inp` |
 //!
@@ -59,7 +59,7 @@ impl Format {
     fn of_content(bytes: &[u8]) -> Option<Self> {
         let head = bytes.get(..HEAD).unwrap_or(bytes).trim_ascii_start();
         let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
-        if head.starts_with(b"$MeshFormat") {
+        if head.starts_with(b"$MeshFormat") || head.starts_with(b"$Comments") {
             return Some(Self::Msh);
         }
         let has_root = || head.windows(8).any(|word| word == b"<VTKFile");
@@ -107,6 +107,7 @@ mod tests {
     #[test]
     fn content_tells_the_format_before_the_name_does() {
         assert_eq!(of(b"$MeshFormat\n4.1", "part.inp"), Some(Format::Msh));
+        assert_eq!(of(b"$Comments\nby hand\n", "part"), Some(Format::Msh));
         assert_eq!(of(b"** made by X\n*NODE", "part.msh"), Some(Format::Inp));
         assert_eq!(of(b"\n*Heading\n", "part"), Some(Format::Inp));
         assert_eq!(of(b"# vtk DataFile Version 2.0", "a"), Some(Format::Vtk));

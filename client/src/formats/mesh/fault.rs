@@ -37,7 +37,7 @@ pub enum MeshFault {
     )]
     Folded(String),
     /// Nothing to solve on.
-    #[error("no triangles or tetrahedra")]
+    #[error("no cells of an area or a volume")]
     NoCells,
     /// More vertices or elements than 32-bit indices reach.
     #[error("more than {0} vertices or elements")]

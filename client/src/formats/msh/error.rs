@@ -86,7 +86,7 @@ pub enum Fault {
     #[error("section ${0} has no $End{0}")]
     Unterminated(String),
     /// An element shape that the solver does not have.
-    #[error("not supported yet: {0}; only tetrahedra and triangles carry a solution")]
+    #[error("not supported yet: {0}; cells of first and second order carry a solution")]
     UnsupportedElement(String),
     /// A partitioned mesh.
     #[error("not supported yet: partitioned meshes (section $PartitionedEntities)")]

@@ -1,11 +1,12 @@
 //! Reads Gmsh MSH 4.1 and 2.2, text and binary, into vertices, cells, facets
 //! and named groups.
 //!
-//! Assumptions: triangles or tetrahedra, of first or second order: of the latter the
+//! Assumptions: cells of first or second order; hexahedra, wedges, pyramids and quadrangles are
+//! split ([`super::mesh`]). Of second order the
 //! edges of the surface keep how far their middle is off the line between their ends;
 //! the highest dimension present gives the cells, the next lower one the facets. Vertices are ordered
 //! by node number, elements as in the file. Unnamed physical groups are named
-//! by their number.
+//! by their number. Sections of other names are left out; comments may stand before the first one.
 //!
 //! Cost: one pass over the bytes and one hash look-up an element. No allocation
 //! is larger than a constant times the size of the file, whatever it declares.
@@ -70,9 +71,12 @@ enum Version {
 }
 
 fn format(cursor: &mut Cursor<'_>) -> Result<Version, MshError> {
-    match cursor.open_section() {
-        Ok(Some(section)) if section == "MeshFormat" => {}
-        _ => return Err(MshError::whole(Fault::NotMsh)),
+    loop {
+        match cursor.open_section() {
+            Ok(Some(section)) if section == "MeshFormat" => break,
+            Ok(Some(section)) if section == "Comments" => cursor.skip_section()?,
+            _ => return Err(MshError::whole(Fault::NotMsh)),
+        }
     }
     let word = cursor.word("the version")?;
     let version = match word.as_str() {

@@ -3,7 +3,7 @@
 
 use super::cursor::{Cursor, Encoding};
 use super::error::{Fault, MshError};
-use super::kind::kind as kind_of;
+use super::kind::{kind as kind_of, reorder};
 use crate::formats::mesh::raw::{Block, ElementKind, Owner};
 
 /// The node section: number and coordinates of each.
@@ -127,8 +127,10 @@ fn element(
     let Some(block) = blocks.last_mut() else {
         return Ok(());
     };
+    let first = block.nodes.len();
     for _ in 0..kind.nodes {
         block.nodes.push(cursor.natural("a node number")?);
     }
+    reorder(kind, block.nodes.get_mut(first..).unwrap_or_default());
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use super::cursor::Cursor;
 use super::error::{Fault, MshError};
-use super::kind::kind;
+use super::kind::{kind, reorder};
 use crate::formats::mesh::raw::{Block, Owner};
 
 /// The entity section: physical groups by dimension and entity number.
@@ -142,5 +142,6 @@ fn element_block(cursor: &mut Cursor<'_>) -> Result<Block, MshError> {
             nodes.push(cursor.size("a node number")?);
         }
     }
+    reorder(kind, &mut nodes);
     Ok(Block { kind, owner, nodes })
 }

@@ -7,6 +7,11 @@ use crate::formats::mesh::{self, BODY, BOUNDARY, MeshFile, outer_facets};
 /// Integer cell arrays that say the group of a cell; the first one found does.
 pub(super) const GROUP_ARRAYS: [&str; 3] = ["group", "gmsh:physical", "medit:ref"];
 
+/// A quadrangle with its corners row by row.
+const PIXEL: i64 = 8;
+/// A hexahedron with its corners row by row.
+const VOXEL: i64 = 11;
+
 /// Owner of what is in no group.
 const NONE: i64 = i64::MIN;
 
@@ -86,8 +91,14 @@ impl Dataset {
                 continue;
             };
             let mut nodes = self.nodes(points).map_err(at)?;
-            if let ([.., a, b], 10) = (nodes.as_mut_slice(), kind.nodes) {
-                std::mem::swap(a, b);
+            match (nodes.as_mut_slice(), kind.nodes) {
+                ([.., a, b], 10) => std::mem::swap(a, b),
+                ([_, _, c, d], 4) if *shape == PIXEL => std::mem::swap(c, d),
+                ([_, _, c, d, _, _, g, h], 8) if *shape == VOXEL => {
+                    std::mem::swap(c, d);
+                    std::mem::swap(g, h);
+                }
+                _ => {}
             }
             raw.push(kind, Owner::Entity(self.group_of(cell)), &nodes);
         }
@@ -173,6 +184,18 @@ fn kind(shape: i64, points: usize) -> Result<Option<ElementKind>, VtkFault> {
         10 => (3, &[4]),
         24 => (3, &[10]),
         71 => (3, &[4, 10]),
+        PIXEL | 9 => (2, &[4]),
+        23 => (2, &[8]),
+        28 => (2, &[9]),
+        70 => (2, &[4]),
+        VOXEL | 12 | 72 => (3, &[8]),
+        25 => (3, &[20]),
+        29 => (3, &[27]),
+        13 | 73 => (3, &[6]),
+        26 => (3, &[15]),
+        32 => (3, &[18]),
+        14 | 74 => (3, &[5]),
+        27 => (3, &[13]),
         other => return Err(VtkFault::UnsupportedCell(describe(other))),
     };
     if nodes.contains(&points) {
@@ -192,9 +215,9 @@ fn describe(shape: i64) -> String {
         3 | 21 | 35 | 68 => "line",
         6 => "triangle strip",
         7 => "polygon",
-        8 | 9 | 23 | 28 | 30 | 70 => "quadrangle",
+        PIXEL | 9 | 23 | 28 | 30 | 70 => "quadrangle",
         10 | 24 | 71 => "tetrahedron",
-        11 | 12 | 25 | 29 | 33 | 72 => "hexahedron",
+        VOXEL | 12 | 25 | 29 | 33 | 72 => "hexahedron",
         13 | 26 | 31 | 32 | 73 => "wedge",
         14 | 27 | 37 | 74 => "pyramid",
         41 | 42 => "polyhedron",

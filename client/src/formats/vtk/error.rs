@@ -52,7 +52,9 @@ pub enum VtkFault {
     #[error("the data are no base64")]
     Base64,
     /// A cell shape that the solver does not have.
-    #[error("{0}: only triangles and tetrahedra carry a solution")]
+    #[error(
+        "{0}: triangles, quadrangles, tetrahedra, hexahedra, wedges and pyramids of first and second order carry a solution"
+    )]
     UnsupportedCell(String),
     /// A cell with a point that does not exist.
     #[error("it refers to point {point} of {count}")]

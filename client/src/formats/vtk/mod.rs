@@ -4,6 +4,7 @@
 //! | in the file | in the mesh |
 //! |---|---|
 //! | triangles and tetrahedra, of first and second order | cells, of the highest dimension |
+//! | quadrangles, hexahedra, wedges and pyramids (pixels and voxels), of these orders | cells, split ([`super::mesh`]) |
 //! | cells of one dimension less | facets |
 //! | middle points of second-order cells | curved edges of the surface |
 //! | an integer cell array `group`, `gmsh:physical` or `medit:ref` | the group of each cell and facet |

@@ -175,3 +175,39 @@ fn faults_of_legacy_files_are_told_with_their_line() {
         }
     );
 }
+
+/// A legacy file of one cell, its points at the corners of a unit cube row by row.
+fn one_cell(points: &[usize], shape: usize) -> String {
+    let count = points.len();
+    let points: Vec<String> = points.iter().map(usize::to_string).collect();
+    let points = points.join(" ");
+    format!(
+        "# vtk DataFile Version 2.0\none cell\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n\
+         0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1\nCELLS 1 {}\n{count} {points}\n\
+         CELL_TYPES 1\n{shape}\n",
+        count + 1
+    )
+}
+
+#[test]
+fn voxels_and_hexahedra_are_one_cube_and_pixels_and_quadrangles_one_square() {
+    let read = |points: &[usize], shape| read(one_cell(points, shape).as_bytes()).unwrap();
+    let voxel = read(&[0, 1, 2, 3, 4, 5, 6, 7], 11);
+    let hexahedron = read(&[0, 1, 3, 2, 4, 5, 7, 6], 12);
+    assert_eq!(voxel.cells, hexahedron.cells);
+    assert_eq!((voxel.cell_count(), voxel.facet_count()), (6, 12));
+    assert!(voxel.warnings[0].starts_with("1 hexahedra are split into tetrahedra"));
+    // VTK counts the base of a wedge the other way round than other formats do.
+    for points in [[0, 2, 1, 4, 6, 5], [0, 1, 2, 4, 5, 6]] {
+        assert_eq!(read(&points, 13).cell_count(), 3);
+    }
+    assert_eq!(read(&[0, 1, 3, 2, 4], 14).cell_count(), 2);
+    let flat = |points: &[usize], shape| {
+        let text = one_cell(points, shape);
+        let text = text.replace("0 0 1 1 0 1 0 1 1 1 1 1", "2 0 0 3 0 0 2 1 0 3 1 0");
+        super::read(text.as_bytes()).unwrap()
+    };
+    let (pixel, square) = (flat(&[0, 1, 2, 3], 8), flat(&[0, 1, 3, 2], 9));
+    assert_eq!(pixel.cells, square.cells);
+    assert_eq!((pixel.cell_count(), pixel.facet_count()), (2, 4));
+}

@@ -227,6 +227,41 @@ fn diagonals_of_second_order_lie_on_the_surface_that_the_middles_give() {
     assert_eq!(diagonals, 4);
 }
 
+#[test]
+fn gmsh_and_abaqus_number_one_ring_in_their_own_ways() {
+    use crate::formats::msh;
+    let ours = read(ring().as_bytes()).unwrap();
+    let (nodes, elements) = ring()
+        .split_once("*ELEMENT, TYPE=C3D20R\n")
+        .map(|(a, b)| (a.to_owned(), b.replace(",\n", ", ")))
+        .unwrap();
+    let nodes: Vec<&str> = nodes.lines().skip(1).collect();
+    let mut text = format!(
+        "$Comments\nby hand\n$EndComments\n$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n",
+        nodes.len()
+    );
+    for node in nodes {
+        text += &format!("{}\n", node.replace(',', ""));
+    }
+    text += "$EndNodes\n$Elements\n2\n";
+    for element in elements.lines() {
+        let numbers: Vec<&str> = element.split(", ").collect();
+        let mut of_gmsh = vec![""; 20];
+        for (own, at) in OF_ABAQUS_IN_GMSH.iter().enumerate() {
+            of_gmsh[*at] = numbers[own + 1];
+        }
+        text += &format!("{} 17 2 1 1 {}\n", numbers[0], of_gmsh.join(" "));
+    }
+    text += "$EndElements\n";
+    let mesh = msh::read(text.as_bytes()).unwrap();
+    assert_eq!((mesh.cells, mesh.curved), (ours.cells, ours.curved));
+}
+
+/// Where Gmsh has each node of a hexahedron of second order of Abaqus, from its table of edges.
+const OF_ABAQUS_IN_GMSH: [usize; 20] = [
+    0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15,
+];
+
 /// Two hexahedra of second order: a quarter of a ring of radii 1 and 2 and height 1.
 fn ring() -> String {
     let node = |i: usize, j: usize, k: usize| 1 + i + 5 * j + 15 * k;
