@@ -195,7 +195,11 @@ pub(crate) fn read_file<T, E: std::fmt::Display>(
         .map_err(|error| Failure::new(Exit::Invalid, format!("{}: {error}", path.display())))
 }
 
-/// Reads a mesh file of any format.
+/// Reads a mesh file of any format, and what it includes beside it.
 pub(crate) fn load_mesh(path: &Path) -> Result<MeshFile, Failure> {
-    read_file(path, |bytes| reader::read(bytes, path))
+    let mut beside = |name: &Path| {
+        let file = path.with_file_name(name);
+        bounded_file::read(&file, MOST_BYTES).map_err(|error| error.to_string())
+    };
+    read_file(path, |bytes| reader::read(bytes, path, &mut beside))
 }

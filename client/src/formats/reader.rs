@@ -11,7 +11,7 @@
 
 use std::path::Path;
 
-use super::inp::{self, InpError};
+use super::inp::{self, InpError, ReadBeside};
 use super::mesh::MeshFile;
 use super::msh::{self, MshError};
 use super::vtk::{self, VtkError};
@@ -84,14 +84,15 @@ impl Format {
     }
 }
 
-/// Reads a mesh in any of the formats; `path` is the name of its file.
+/// Reads a mesh in any of the formats; `path` is the name of its file, and `beside` reads the
+/// files that it includes by their paths below the folder of it.
 ///
 /// # Errors
 /// [`ReadError`]: the first fault that its reader finds.
-pub fn read(bytes: &[u8], path: &Path) -> Result<MeshFile, ReadError> {
+pub fn read(bytes: &[u8], path: &Path, beside: &mut ReadBeside<'_>) -> Result<MeshFile, ReadError> {
     match Format::of(bytes, path).ok_or(ReadError::UnknownFormat)? {
         Format::Msh => Ok(msh::read(bytes)?),
-        Format::Inp => Ok(inp::read(bytes)?),
+        Format::Inp => Ok(inp::read_with(bytes, beside)?),
         Format::Vtk => Ok(vtk::read(bytes)?),
     }
 }
@@ -120,7 +121,7 @@ mod tests {
 
     #[test]
     fn an_unknown_format_is_answered_with_the_known_ones() {
-        let error = read(b"solid", Path::new("part.stl")).unwrap_err();
+        let error = read(b"solid", Path::new("part.stl"), &mut |_| Ok(Vec::new())).unwrap_err();
         assert!(error.to_string().contains(".inp"), "{error}");
     }
 }

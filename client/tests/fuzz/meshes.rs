@@ -129,7 +129,7 @@ fn msh_corpus() -> Corpus {
     Corpus::new(Form::File, seeds, &MSH_WORDS)
 }
 
-const INP_WORDS: [&str; 28] = [
+const INP_WORDS: [&str; 37] = [
     "*NODE\n",
     "*NODE, NSET=",
     "*ELEMENT, TYPE=C3D10M, ELSET=a\n",
@@ -150,6 +150,15 @@ const INP_WORDS: [&str; 28] = [
     "*END INSTANCE\n",
     "*SOLID SECTION, ELSET=a, MATERIAL=m\n",
     "*STEP\n",
+    "*ELEMENT, TYPE=C3D8R, ELSET=a\n",
+    "*ELEMENT, TYPE=C3D20\n",
+    "*ELEMENT, TYPE=CPE4\n",
+    "*ELEMENT, TYPE=SPRINGA\n",
+    "*NODE, SYSTEM=C\n",
+    "*SYSTEM\n1., 0., 0., 0., 1., 0.\n",
+    "*INCLUDE, INPUT=a\n",
+    "3., 0., 0., 3., 0., 1., 90.\n",
+    "9, 1, -2\n",
     "** \n",
     "a, S1\n",
     "a,\n",
@@ -175,11 +184,27 @@ const INP_PART: &str = "*Heading\n*Part, name=p\n*Node\n1, 0., 0.\n2, 1., 0.\n3,
     *Nset, nset=base, instance=i, generate\n 1, 2, 1\n*Elset, elset=e, internal, instance=i\n 1\n\
     *Surface, type=ELEMENT, name=s\ne, S3\n*Nset, nset=again\ni.base,\n*End Assembly\n";
 
+/// Cells that are split, of first and second order, with sets and surfaces of their faces.
+const INP_SPLIT: &str = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.\n\
+    5, 0., 0., 1.\n6, 1., 0., 1.\n7, 1., 1., 1.\n8, 0., 1., 1.\n9, 0.5, 0.5, 2.\n\
+    *ELEMENT, TYPE=C3D8R, ELSET=a\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*ELEMENT, TYPE=C3D5, ELSET=a\n\
+    2, 5, 6, 7, 8, 9\n*NSET, NSET=floor\n1, 2, 3, 4\n*SURFACE, NAME=side\n1, S4\n2, S2\n\
+    *SURFACE, NAME=skin\na,\n";
+
+/// A part twice, moved and turned, with sets of both.
+const INP_TWO: &str = "*PART, NAME=p\n*NODE, NSET=n\n1, 0., 0.\n2, 1., 0.\n3, 1., 1.\n4, 0., 1.\n\
+    *ELEMENT, TYPE=CPE4H, ELSET=e\n1, 1, 2, 3, 4\n*SURFACE, NAME=s\n1, S2\n\
+    *SOLID SECTION, ELSET=e, MATERIAL=m\n*END PART\n*ASSEMBLY, NAME=x\n*INSTANCE, NAME=i, PART=p\n\
+    *END INSTANCE\n*INSTANCE, NAME=j, PART=p\n3., 0., 0.\n3., 0., 0., 3., 0., 1., 90.\n\
+    *END INSTANCE\n*NSET, NSET=both\ni.n, j.n, j.3\n*ELSET, ELSET=c, INSTANCE=j, GENERATE\n1, 9, 2\n\
+    *END ASSEMBLY\n*TIE, NAME=t\ns, s\n";
+
 fn inp_corpus() -> Corpus {
     let ring: &[u8] = include_bytes!("../formats/ring2.inp");
     let sphere: &[u8] = include_bytes!("../formats/sphere2.inp");
     let meshio: &[u8] = include_bytes!("../formats/meshio.inp");
-    let small = [INP_FLAT.as_bytes(), INP_PART.as_bytes(), meshio];
+    let own = [INP_FLAT, INP_PART, INP_SPLIT, INP_TWO].map(str::as_bytes);
+    let small = [own.as_slice(), &[meshio]].concat();
     let mut seeds = small.repeat(4);
     seeds.extend([ring, sphere]);
     let seeds = seeds.into_iter().map(<[u8]>::to_vec);

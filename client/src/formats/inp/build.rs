@@ -279,20 +279,7 @@ impl Builder {
 
     fn emit(&mut self) {
         let raw = &mut self.raw;
-        let moved = |point: [f64; 3]| {
-            let mut moved = point;
-            moved
-                .iter_mut()
-                .zip(self.deck.translation)
-                .for_each(|(x, by)| *x += by);
-            moved
-        };
-        raw.nodes = self
-            .deck
-            .nodes
-            .iter()
-            .map(|(number, point)| (*number, moved(*point)))
-            .collect();
+        raw.nodes = std::mem::take(&mut self.deck.nodes);
         let facet_kind = ElementKind {
             dimension: self.dimension - 1,
             nodes: self.dimension,

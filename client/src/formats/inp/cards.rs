@@ -13,6 +13,8 @@ pub(super) struct Keyword {
     pub(super) name: String,
     /// Where it stands.
     pub(super) line: usize,
+    /// Bytes of the file before it.
+    pub(super) start: usize,
     /// Names in capitals, and values as they are written, without quotes.
     parameters: Vec<(String, Option<String>)>,
 }
@@ -43,6 +45,7 @@ impl Keyword {
     /// A fault of one of its data lines.
     pub(super) fn error_at(&self, line: usize, fault: InpFault) -> InpError {
         InpError {
+            file: None,
             line: Some(line),
             keyword: Some(self.name.clone()),
             fault,
@@ -59,14 +62,17 @@ pub(super) struct Data<'a> {
 /// The lines of a file, one after another.
 pub(super) struct Cards<'a> {
     rest: &'a [u8],
+    /// Bytes of the whole.
+    length: usize,
     /// Lines taken.
-    line: usize,
+    pub(super) line: usize,
 }
 
 impl<'a> Cards<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self {
             rest: bytes,
+            length: bytes.len(),
             line: 0,
         }
     }
@@ -94,6 +100,11 @@ impl<'a> Cards<'a> {
         self.line += 1;
     }
 
+    /// Bytes taken.
+    pub(super) fn taken(&self) -> usize {
+        self.length - self.rest.len()
+    }
+
     /// The next data line of the keyword that was read last.
     pub(super) fn data(&mut self) -> Option<Data<'a>> {
         let line = self.peek().filter(|line| !line.starts_with(b"*"))?;
@@ -117,6 +128,7 @@ impl<'a> Cards<'a> {
             self.take();
         }
         let first = self.peek()?;
+        let start = self.taken();
         self.take();
         let line = self.line;
         let mut words = first.get(1..).unwrap_or_default().to_vec();
@@ -132,6 +144,7 @@ impl<'a> Cards<'a> {
         Some(Keyword {
             name,
             line,
+            start,
             parameters: parts.map(parameter).collect(),
         })
     }

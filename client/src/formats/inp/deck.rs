@@ -1,4 +1,4 @@
-//! What an Abaqus file holds: nodes, elements, sets and surfaces of one part.
+//! What an Abaqus file holds: nodes, elements, sets and surfaces.
 
 use super::sets::Sets;
 use crate::formats::mesh::raw::ElementKind;
@@ -33,11 +33,20 @@ pub(super) struct Entry {
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     pub(super) name: String,
+    /// Name of the instance that it is of; empty where it is of none.
+    pub(super) owner: String,
     pub(super) entries: Vec<Entry>,
 }
 
-/// The content of a file.
-#[derive(Default)]
+/// The largest numbers of a deck; zero where there are none.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Largest {
+    pub(super) node: u64,
+    pub(super) element: u64,
+}
+
+/// The content of a file, or of a part of it.
+#[derive(Clone, Default)]
 pub(super) struct Deck {
     pub(super) nodes: Vec<(u64, [f64; 3])>,
     pub(super) elements: Vec<Element>,
@@ -49,8 +58,7 @@ pub(super) struct Deck {
     pub(super) surfaces: Vec<Surface>,
     /// Sets of elements with the name of their material.
     pub(super) sections: Vec<(usize, String)>,
-    /// Added to all nodes.
-    pub(super) translation: [f64; 3],
+    pub(super) largest: Largest,
     pub(super) warnings: Vec<String>,
 }
 
@@ -61,8 +69,15 @@ impl Deck {
         self.element_nodes.get(range).unwrap_or_default()
     }
 
+    /// Adds a node.
+    pub(super) fn push_node(&mut self, number: u64, point: [f64; 3]) {
+        self.largest.node = self.largest.node.max(number);
+        self.nodes.push((number, point));
+    }
+
     /// Adds an element and its nodes.
     pub(super) fn push(&mut self, number: u64, kind: ElementKind, nodes: &[u64]) {
+        self.largest.element = self.largest.element.max(number);
         let first = self.element_nodes.len();
         self.element_nodes.extend(nodes);
         self.elements.push(Element {

@@ -76,6 +76,17 @@ const TYPES: &[(&str, Form)] = &[
     ("SFMAX2", LINE_3),
 ];
 
+/// Beginnings of the names of what joins bodies or carries mass, and is no part of a mesh.
+const NO_CELLS: [&str; 13] = [
+    "CONN2D2", "CONN3D2", "DASHPOT", "DCOUP", "GAP", "HEATCAP", "ITS", "ITT", "JOINTC", "MASS",
+    "ROTARYI", "SPRING", "DRAG",
+];
+
+/// Whether a type, in capitals, is a spring, a mass, a connector or the like.
+pub(super) fn is_no_cell(name: &str) -> bool {
+    NO_CELLS.iter().any(|start| name.starts_with(start))
+}
+
 /// The kind of a type, in capitals; none of one that no mesh can be made of.
 pub(super) fn kind(name: &str) -> Option<ElementKind> {
     let letters = |rest: &str| rest.bytes().all(|byte| byte.is_ascii_uppercase());

@@ -11,9 +11,33 @@ pub enum InpFault {
     /// No line of the file is a keyword.
     #[error("not an Abaqus input file: no line begins with * and a keyword")]
     NotInp,
-    /// The mesh, or a part of it, is in another file.
-    #[error("the mesh is spread over files ({0}): write it into one")]
+    /// The mesh, or a part of it, is in another file, and there is no folder to look into.
+    #[error(
+        "the file {0} is included, and these bytes come without a folder: give the path of the deck, with the file beside it"
+    )]
     Include(String),
+    /// A file that is included and cannot be.
+    #[error("the file {file} is included: {said}")]
+    NotIncluded {
+        /// As the deck names it.
+        file: String,
+        /// Why it cannot be.
+        said: String,
+    },
+    /// An instance of no part.
+    #[error("there is no part {0}")]
+    UnknownPart(String),
+    /// An instance that is named and is not there.
+    #[error("there is no instance {0}")]
+    UnknownInstance(String),
+    /// Two instances of one name.
+    #[error("there are two instances {0}")]
+    DuplicateInstance(String),
+    /// Instances whose parts take more than a file of this size may have.
+    #[error(
+        "the instances have more than {0} nodes and elements in all, four for each byte of the file: write them as one part"
+    )]
+    TooManyCopies(usize),
     /// Something that the format allows and this reader does not take.
     #[error("not supported yet: {0}")]
     Unsupported(String),
@@ -78,9 +102,21 @@ pub enum InpFault {
     Mesh(#[from] MeshFault),
 }
 
+impl InpFault {
+    /// The words for copies of parts where those for members of sets are.
+    pub(super) fn copies(self) -> Self {
+        match self {
+            Self::TooManyMembers(limit) => Self::TooManyCopies(limit),
+            other => other,
+        }
+    }
+}
+
 /// A fault with its keyword and line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InpError {
+    /// The file that is included where the line is; none in the deck itself.
+    pub file: Option<String>,
     /// Line, from 1; none when the fault concerns the mesh as a whole.
     pub line: Option<usize>,
     /// Keyword in capitals, without its star; none outside one.
@@ -93,6 +129,7 @@ impl InpError {
     /// A fault of the mesh as a whole.
     pub(super) fn whole(fault: InpFault) -> Self {
         Self {
+            file: None,
             line: None,
             keyword: None,
             fault,
@@ -102,6 +139,9 @@ impl InpError {
 
 impl fmt::Display for InpError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(out, "{file}: ")?;
+        }
         if let Some(line) = self.line {
             write!(out, "line {line}: ")?;
         }

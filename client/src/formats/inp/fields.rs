@@ -41,18 +41,44 @@ pub(super) fn real(keyword: &Keyword, line: usize, field: &[u8]) -> Result<f64, 
     parsed.map_err(|_| wrong())
 }
 
-/// First, last and step of a line of `GENERATE`.
+/// Six numbers of a data line, three of which may be left out.
+pub(super) fn points(keyword: &Keyword, data: &Data<'_>) -> Result<[[f64; 3]; 2], InpError> {
+    let mut points = [[0.0; 3]; 2];
+    let slots = points.as_flattened_mut().iter_mut();
+    for (slot, field) in slots.zip(&data.fields) {
+        *slot = real(keyword, data.line, field)?;
+    }
+    Ok(points)
+}
+
+/// First, last and step of a line of `GENERATE`; a step below zero counts down.
 pub(super) fn run(keyword: &Keyword, data: &Data<'_>) -> Result<Run, InpError> {
     let number = |at: usize| {
         let field = data.fields.get(at).copied().unwrap_or_default();
         natural(keyword, data.line, field, "a number of the set")
     };
     let (first, last) = (number(0)?, number(1)?);
-    let step = match data.fields.len() {
-        0..=2 => 1,
-        _ => number(2)?.max(1),
+    let field = data.fields.get(2).copied().unwrap_or(b"1");
+    let (size, counts_down) = match field.strip_prefix(b"-") {
+        Some(size) => (size, true),
+        None => (field, false),
     };
-    Ok(Run { first, last, step })
+    let step = natural(keyword, data.line, size, "a step of the set")?.max(1);
+    if !counts_down {
+        return Ok(Run { first, last, step });
+    }
+    // From the last number that is reached up to the first one.
+    let below = first.saturating_sub(last) / step * step;
+    let (low, high) = if last > first {
+        (first, 0)
+    } else {
+        (first - below, first)
+    };
+    Ok(Run {
+        first: low,
+        last: high,
+        step,
+    })
 }
 
 /// The number of a face by its name.

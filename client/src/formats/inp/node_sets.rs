@@ -62,6 +62,10 @@ impl Builder {
             }
             let mut members = order.members(set, &mut self.allowance)?;
             self.add_nodes_of_elements(index, &order, &mut members)?;
+            // Sets of reference points alone.
+            if members.is_empty() && set.is_empty() {
+                continue;
+            }
             marks.set(&members);
             let found = corners.within(&members, &marks);
             if found.is_empty() {

@@ -1,18 +1,24 @@
 //! Reads the keywords of an Abaqus file into its deck.
 //!
-//! A flat file and a file of one part with one instance are the same here: the sets of
-//! the assembly are those of its only instance, and reference points of the assembly are
+//! What stands in a part or an instance goes into a deck of its own, which an instance puts into
+//! the deck of the file ([`super::assembly`]). A file of parts without instances has one of each.
+//! Sets of the assembly hold what they name of its instances; its own nodes, reference points, are
 //! left out.
 
-use super::cards::{Cards, Keyword, text};
-use super::deck::{Deck, Entry, Face, Surface};
+use std::collections::HashMap;
+
+use super::assembly::Instance;
+use super::cards::{Cards, Keyword};
+use super::deck::Deck;
 use super::element;
 use super::error::{InpError, InpFault};
-use super::fields::{face_number, include, natural, real, run};
+use super::fields::{include, natural, points, real};
+use super::frame::{Coordinates, Frame};
+use super::include::file_of;
 use super::sets::{Allowance, Run, Sets, Visibility};
 
 /// Keywords that make a mesh instead of holding it.
-const MAKERS: [&str; 9] = [
+const MAKERS: [&str; 8] = [
     "ELCOPY",
     "ELGEN",
     "IMPORT",
@@ -21,7 +27,6 @@ const MAKERS: [&str; 9] = [
     "NGEN",
     "NMAP",
     "PARAMETER",
-    "SYSTEM",
 ];
 /// Keywords that a mesh does not have, and a scene says in its own way.
 const OF_THE_SCENE: [&str; 8] = [
@@ -34,138 +39,260 @@ const OF_THE_SCENE: [&str; 8] = [
     "MATERIAL",
     "STEP",
 ];
-/// Where a keyword stands.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Scope {
-    Model,
-    Part(usize),
-    Assembly,
+/// What is told of ties.
+const TIES: &str = "ties of the file (*TIE) are not read: the bodies that they join stay separate";
+/// What is told of what a scene says.
+const OF_THE_FILE: &str =
+    "materials, supports, loads and steps of the file are not read: the scene says them";
+
+/// A part or an instance that is being read.
+struct Open {
+    name: String,
+    deck: Deck,
+    /// Where an instance is; none of a part.
+    frame: Option<Frame>,
 }
 
 /// Reads a file into its deck.
-struct Reader<'a> {
-    cards: Cards<'a>,
-    deck: Deck,
-    scope: Scope,
-    parts: usize,
-    /// The scope that has the mesh.
-    mesh: Option<Scope>,
-    instance: Option<String>,
-    allowance: Allowance,
-    keywords: usize,
+pub(super) struct Reader<'a> {
+    pub(super) cards: Cards<'a>,
+    /// Of the whole file.
+    main: Deck,
+    open: Option<Open>,
+    parts: Vec<(String, Deck)>,
+    /// Instances by their names in capitals.
+    pub(super) instances: HashMap<String, Instance>,
+    is_in_assembly: bool,
+    /// Of `*SYSTEM`.
+    system: Option<Frame>,
+    /// What copies of parts may take.
+    copies: Allowance,
+    pub(super) allowance: Allowance,
+    /// Whether files that keywords name are in the bytes.
+    includes: Includes,
+}
+
+/// Whether files that keywords name stand in the bytes already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Includes {
+    Expanded,
+    Refused,
 }
 
 /// The deck of a file.
-pub(super) fn deck(bytes: &[u8]) -> Result<Deck, InpError> {
+pub(super) fn deck(bytes: &[u8], includes: Includes) -> Result<Deck, InpError> {
     let mut reader = Reader {
         cards: Cards::new(bytes),
-        deck: Deck::default(),
-        scope: Scope::Model,
-        parts: 0,
-        mesh: None,
-        instance: None,
+        main: Deck::default(),
+        open: None,
+        parts: Vec::new(),
+        instances: HashMap::new(),
+        is_in_assembly: false,
+        system: None,
+        copies: Allowance::new(4 * bytes.len()),
         allowance: Allowance::new(bytes.len()),
-        keywords: 0,
+        includes,
     };
+    let mut last = None;
     while let Some(keyword) = reader.cards.keyword() {
-        reader.keywords += 1;
         reader.take(&keyword)?;
+        last = Some(keyword);
     }
-    match reader.keywords {
-        0 => Err(InpError::whole(InpFault::NotInp)),
-        _ => Ok(reader.deck),
-    }
+    let last = last.ok_or_else(|| InpError::whole(InpFault::NotInp))?;
+    reader.close(&last)?;
+    reader.finish(&last)
 }
 
 impl Reader<'_> {
     fn take(&mut self, keyword: &Keyword) -> Result<(), InpError> {
+        if self.includes == Includes::Refused && file_of(keyword).is_some() {
+            return Err(include(keyword));
+        }
         match keyword.name.as_str() {
-            "INCLUDE" => return Err(include(keyword)),
-            "PART" => {
-                self.parts += 1;
-                self.scope = Scope::Part(self.parts);
+            "INCLUDE" => drop(keyword.required("INPUT")?),
+            "PART" => self.part(keyword)?,
+            "ASSEMBLY" => {
+                self.close(keyword)?;
+                self.is_in_assembly = true;
             }
-            "ASSEMBLY" => self.scope = Scope::Assembly,
             "INSTANCE" => self.instance(keyword)?,
-            "END PART" | "END ASSEMBLY" => self.scope = Scope::Model,
-            "END INSTANCE" => self.scope = Scope::Assembly,
-            "NODE" if self.is_mesh(keyword)? => self.nodes(keyword)?,
-            "ELEMENT" if self.is_mesh(keyword)? => self.elements(keyword)?,
+            "END PART" | "END INSTANCE" => self.close(keyword)?,
+            "END ASSEMBLY" => {
+                self.close(keyword)?;
+                self.is_in_assembly = false;
+            }
+            "SYSTEM" => self.system(keyword)?,
+            "NODE" if !self.is_of_assembly(keyword) => self.nodes(keyword)?,
+            "ELEMENT" if !self.is_of_assembly(keyword) => self.elements(keyword)?,
             "NSET" => self.node_set(keyword)?,
             "ELSET" => self.element_set(keyword)?,
             "SURFACE" => self.surface(keyword)?,
             "SOLID SECTION" => self.section(keyword),
+            "TIE" => self.warn(TIES.to_owned()),
             name if MAKERS.contains(&name) => {
                 let what = format!("*{name} makes a mesh: write the mesh itself");
                 return Err(keyword.error(InpFault::Unsupported(what)));
             }
-            name if OF_THE_SCENE.contains(&name) => self.warn_of_scene(),
+            name if OF_THE_SCENE.contains(&name) => self.warn(OF_THE_FILE.to_owned()),
             _ => {}
         }
         Ok(())
     }
 
-    fn warn_of_scene(&mut self) {
-        let warning =
-            "materials, supports, loads and steps of the file are not read: the scene says them";
-        if self.deck.warnings.iter().all(|known| known != warning) {
-            self.deck.warnings.push(warning.to_owned());
+    fn warn(&mut self, warning: String) {
+        if !self.main.warnings.contains(&warning) {
+            self.main.warnings.push(warning);
         }
     }
 
-    /// Whether nodes or elements belong to the mesh.
-    ///
-    /// # Errors
-    /// For those of a second part.
-    fn is_mesh(&mut self, keyword: &Keyword) -> Result<bool, InpError> {
-        if keyword.has("INPUT") {
-            return Err(include(keyword));
-        }
-        if self.scope == Scope::Assembly {
-            return Ok(false);
-        }
-        if *self.mesh.get_or_insert(self.scope) != self.scope {
-            let what = "several parts with a mesh: write one";
-            return Err(keyword.error(InpFault::Unsupported(what.to_owned())));
-        }
-        Ok(true)
+    /// The deck that keywords add to: that of the part or instance, else that of the file.
+    pub(super) fn deck(&mut self) -> &mut Deck {
+        self.open
+            .as_mut()
+            .map_or(&mut self.main, |open| &mut open.deck)
+    }
+
+    fn part(&mut self, keyword: &Keyword) -> Result<(), InpError> {
+        self.close(keyword)?;
+        self.system = None;
+        self.open = Some(Open {
+            name: keyword.value("NAME").unwrap_or_default().to_owned(),
+            deck: Deck::default(),
+            frame: None,
+        });
+        Ok(())
     }
 
     fn instance(&mut self, keyword: &Keyword) -> Result<(), InpError> {
-        let unsupported = |what: &str| InpFault::Unsupported(what.to_owned());
-        if self.instance.is_some() || keyword.has("LIBRARY") {
-            let what = "several instances, or one of another file: write one mesh";
-            return Err(keyword.error(unsupported(what)));
+        self.close(keyword)?;
+        if keyword.has("LIBRARY") {
+            let what = "an instance of another file: write one mesh".to_owned();
+            return Err(keyword.error(InpFault::Unsupported(what)));
         }
-        self.instance = Some(keyword.value("NAME").unwrap_or_default().to_owned());
-        if let Some(data) = self.cards.data() {
-            for (slot, field) in self.deck.translation.iter_mut().zip(&data.fields) {
-                *slot = real(keyword, data.line, field)?;
+        let name = keyword.value("NAME").unwrap_or_default().to_owned();
+        if self.instances.contains_key(&name.to_ascii_uppercase()) {
+            return Err(keyword.error(InpFault::DuplicateInstance(name)));
+        }
+        let frame = Some(self.frame(keyword)?);
+        let deck = match keyword.value("PART") {
+            Some(part) => self.copy(keyword, part)?,
+            None => Deck::default(),
+        };
+        self.system = None;
+        self.open = Some(Open { name, deck, frame });
+        Ok(())
+    }
+
+    /// A copy of a part.
+    fn copy(&mut self, keyword: &Keyword, part: &str) -> Result<Deck, InpError> {
+        let mut parts = self.parts.iter();
+        let found = parts.find(|(name, _)| name.eq_ignore_ascii_case(part));
+        let (_, deck) =
+            found.ok_or_else(|| keyword.error(InpFault::UnknownPart(part.to_owned())))?;
+        let taken = self.copies.take(deck.size());
+        taken.map_err(|fault| keyword.error(fault.copies()))?;
+        Ok(deck.clone())
+    }
+
+    /// Where an instance is: its translation, then its rotation.
+    fn frame(&mut self, keyword: &Keyword) -> Result<Frame, InpError> {
+        let Some(data) = self.cards.data() else {
+            return Ok(Frame::default());
+        };
+        let [by, _] = points(keyword, &data)?;
+        let frame = Frame::at(by);
+        let Some(data) = self.cards.data() else {
+            return Ok(frame);
+        };
+        let [a, b] = points(keyword, &data)?;
+        let angle = data.fields.get(6).copied().unwrap_or_default();
+        let angle = real(keyword, data.line, angle)?;
+        let turned = if angle == 0.0 {
+            Some(frame)
+        } else {
+            frame.turned(a, b, angle)
+        };
+        turned.ok_or_else(|| {
+            let what = "an axis of rotation between two points that are one".to_owned();
+            keyword.error_at(data.line, InpFault::Unsupported(what))
+        })
+    }
+
+    /// Ends the part or instance that is being read.
+    fn close(&mut self, keyword: &Keyword) -> Result<(), InpError> {
+        let Some(open) = self.open.take() else {
+            return Ok(());
+        };
+        self.system = None;
+        match open.frame {
+            Some(frame) => self.place(keyword, &open.deck, &open.name, &frame),
+            None => {
+                self.parts.push((open.name, open.deck));
+                Ok(())
             }
         }
-        if let Some(data) = self.cards.data() {
-            let fault = unsupported("a rotated instance: write the mesh where it is");
-            return Err(keyword.error_at(data.line, fault));
+    }
+
+    fn place(
+        &mut self,
+        keyword: &Keyword,
+        part: &Deck,
+        name: &str,
+        frame: &Frame,
+    ) -> Result<(), InpError> {
+        let placed = self.main.place(part, name, frame, &mut self.copies);
+        let instance = placed.map_err(|fault| keyword.error(fault))?;
+        self.instances.insert(name.to_ascii_uppercase(), instance);
+        Ok(())
+    }
+
+    fn finish(mut self, keyword: &Keyword) -> Result<Deck, InpError> {
+        if self.instances.is_empty() {
+            for (name, part) in std::mem::take(&mut self.parts) {
+                self.place(keyword, &part, &name, &Frame::default())?;
+            }
         }
-        // Nodes of the instance itself are those of a part.
-        self.parts += 1;
-        self.scope = match self.mesh {
-            Some(scope @ Scope::Part(_)) => scope,
-            _ => Scope::Part(self.parts),
+        self.main.qualify();
+        Ok(self.main)
+    }
+
+    /// A system of coordinates of the nodes that follow.
+    fn system(&mut self, keyword: &Keyword) -> Result<(), InpError> {
+        self.system = None;
+        let Some(data) = self.cards.data() else {
+            return Ok(());
         };
+        let [origin, first] = points(keyword, &data)?;
+        let moved = data.fields.len() <= 3;
+        let plane = match self.cards.data() {
+            Some(data) => points(keyword, &data)?[0],
+            None => [origin[0], origin[1] + 1.0, origin[2]],
+        };
+        let frame = if moved {
+            Some(Frame::at(origin))
+        } else {
+            Frame::through(origin, first, plane)
+        };
+        self.system = Some(frame.ok_or_else(|| {
+            let what = "a system of coordinates whose three points lie on a line".to_owned();
+            keyword.error_at(data.line, InpFault::Unsupported(what))
+        })?);
         Ok(())
     }
 
     fn nodes(&mut self, keyword: &Keyword) -> Result<(), InpError> {
-        if keyword
-            .value("SYSTEM")
-            .is_some_and(|system| !system.eq_ignore_ascii_case("R"))
-        {
-            let what = "cylindrical or spherical coordinates".to_owned();
-            return Err(keyword.error(InpFault::Unsupported(what)));
-        }
+        let system = keyword.value("SYSTEM").unwrap_or("R").to_ascii_uppercase();
+        let coordinates = match system.as_str() {
+            "R" => Coordinates::Cartesian,
+            "C" => Coordinates::Cylindrical,
+            _ => {
+                let what = "spherical coordinates of nodes".to_owned();
+                return Err(keyword.error(InpFault::Unsupported(what)));
+            }
+        };
+        let frame = self.system;
         let set = keyword.value("NSET").map(str::to_owned);
-        let set = set.map(|name| self.deck.node_sets.open(&name, Visibility::Group));
+        let set = set.map(|name| self.deck().node_sets.open(&name, Visibility::Group));
         while let Some(data) = self.cards.data() {
             let mut fields = data.fields.iter();
             let number = fields.next().copied().unwrap_or_default();
@@ -174,9 +301,11 @@ impl Reader<'_> {
             for (slot, field) in point.iter_mut().zip(fields) {
                 *slot = real(keyword, data.line, field)?;
             }
-            self.deck.nodes.push((number, point));
+            let point = coordinates.cartesian(point);
+            let point = frame.map_or(point, |frame| frame.place(point));
+            self.deck().push_node(number, point);
             if let Some(set) = set {
-                self.deck.node_sets.add(set, Run::one(number));
+                self.deck().node_sets.add(set, Run::one(number));
             }
         }
         Ok(())
@@ -185,10 +314,16 @@ impl Reader<'_> {
     fn elements(&mut self, keyword: &Keyword) -> Result<(), InpError> {
         let name = keyword.required("TYPE")?.to_ascii_uppercase();
         let Some(kind) = element::kind(&name) else {
-            return Err(keyword.error(InpFault::UnsupportedElement(name)));
+            if !element::is_no_cell(&name) {
+                return Err(keyword.error(InpFault::UnsupportedElement(name)));
+            }
+            self.warn(format!(
+                "elements of type {name} are no cells, and are left out"
+            ));
+            return Ok(());
         };
         let set = keyword.value("ELSET").map(str::to_owned);
-        let set = set.map(|name| self.deck.element_sets.open(&name, Visibility::Group));
+        let set = set.map(|name| self.deck().element_sets.open(&name, Visibility::Group));
         let count = |numbers: &[u64]| InpFault::NodeCount {
             element: numbers.first().copied().unwrap_or_default(),
             kind: name.clone(),
@@ -210,9 +345,9 @@ impl Reader<'_> {
                 .split_first()
                 .filter(|(_, nodes)| nodes.len() == kind.nodes)
             {
-                self.deck.push(*number, kind, nodes);
+                self.deck().push(*number, kind, nodes);
                 if let Some(set) = set {
-                    self.deck.element_sets.add(set, Run::one(*number));
+                    self.deck().element_sets.add(set, Run::one(*number));
                 }
                 numbers.clear();
             }
@@ -224,165 +359,31 @@ impl Reader<'_> {
         }
     }
 
-    /// Who sees a set; sets of the assembly that are of no instance are of its own points.
-    fn visibility(&self, keyword: &Keyword) -> Visibility {
-        if keyword.has("INTERNAL") || self.is_of_assembly(keyword) {
-            Visibility::Internal
-        } else {
-            Visibility::Group
-        }
+    /// Whether a keyword is of the assembly itself, not of an instance of it.
+    pub(super) fn is_of_assembly(&self, keyword: &Keyword) -> bool {
+        self.is_in_assembly && self.open.is_none() && !keyword.has("INSTANCE")
     }
 
-    fn is_of_assembly(&self, keyword: &Keyword) -> bool {
-        self.scope == Scope::Assembly && !keyword.has("INSTANCE")
-    }
-
-    fn node_set(&mut self, keyword: &Keyword) -> Result<(), InpError> {
-        let name = keyword.required("NSET")?;
-        let set = self.deck.node_sets.open(name, self.visibility(keyword));
-        if self.is_of_assembly(keyword) {
-            return Ok(());
-        }
-        if let Some(elements) = keyword.value("ELSET") {
-            let of = self.find(keyword, keyword.line, Sort::Elements, elements)?;
-            self.deck.nodes_of_elements.push((set, of));
-        }
-        self.members(keyword, Sort::Nodes, set)
-    }
-
-    fn element_set(&mut self, keyword: &Keyword) -> Result<(), InpError> {
-        let name = keyword.required("ELSET")?;
-        let set = self.deck.element_sets.open(name, self.visibility(keyword));
-        if self.is_of_assembly(keyword) {
-            return Ok(());
-        }
-        self.members(keyword, Sort::Elements, set)
-    }
-
-    /// The data lines of a set.
-    fn members(&mut self, keyword: &Keyword, sort: Sort, set: usize) -> Result<(), InpError> {
-        while let Some(data) = self.cards.data() {
-            if keyword.has("GENERATE") {
-                let run = run(keyword, &data)?;
-                self.sets(sort).add(set, run);
-                continue;
-            }
-            for field in &data.fields {
-                let name = self.own(&text(field));
-                if let Ok(number) = name.parse() {
-                    self.sets(sort).add(set, Run::one(number));
-                    continue;
-                }
-                let other = self.find(keyword, data.line, sort, &name)?;
-                let mut allowance = self.allowance;
-                let added = self.sets(sort).add_set(set, other, &mut allowance);
-                self.allowance = allowance;
-                added.map_err(|fault| keyword.error_at(data.line, fault))?;
-            }
-        }
-        Ok(())
-    }
-
-    fn sets(&mut self, sort: Sort) -> &mut Sets {
+    pub(super) fn sets(&mut self, sort: Sort) -> &mut Sets {
+        let deck = self.deck();
         match sort {
-            Sort::Nodes => &mut self.deck.node_sets,
-            Sort::Elements => &mut self.deck.element_sets,
+            Sort::Nodes => &mut deck.node_sets,
+            Sort::Elements => &mut deck.element_sets,
         }
-    }
-
-    /// A name without the instance that it belongs to.
-    fn own(&self, name: &str) -> String {
-        let of_instance = self.instance.as_deref().and_then(|instance| {
-            let (before, after) = name.split_once('.')?;
-            before.eq_ignore_ascii_case(instance).then_some(after)
-        });
-        of_instance.unwrap_or(name).trim_matches('"').to_owned()
-    }
-
-    fn find(
-        &mut self,
-        keyword: &Keyword,
-        line: usize,
-        sort: Sort,
-        name: &str,
-    ) -> Result<usize, InpError> {
-        let own = self.own(name);
-        let found = self.sets(sort).find(&own);
-        found.ok_or_else(|| keyword.error_at(line, InpFault::UnknownSet(name.to_owned())))
-    }
-
-    fn surface(&mut self, keyword: &Keyword) -> Result<(), InpError> {
-        let name = keyword.required("NAME")?.to_owned();
-        let kind = keyword
-            .value("TYPE")
-            .unwrap_or("ELEMENT")
-            .to_ascii_uppercase();
-        match kind.as_str() {
-            "ELEMENT" if !keyword.has("COMBINE") => self.faces(keyword, name),
-            "NODE" => {
-                let set = self.deck.node_sets.open(&name, Visibility::Group);
-                self.node_surface(keyword, set)
-            }
-            // Analytic surfaces are obstacles, not parts of the body.
-            "SEGMENTS" | "CYLINDER" | "REVOLUTION" => Ok(()),
-            _ => {
-                let what = format!("surfaces of type {kind}, or combined ones");
-                Err(keyword.error(InpFault::Unsupported(what)))
-            }
-        }
-    }
-
-    /// Lines of a node or set and a weight.
-    fn node_surface(&mut self, keyword: &Keyword, set: usize) -> Result<(), InpError> {
-        while let Some(data) = self.cards.data() {
-            let name = self.own(&text(data.fields.first().copied().unwrap_or_default()));
-            if let Ok(number) = name.parse() {
-                self.deck.node_sets.add(set, Run::one(number));
-                continue;
-            }
-            let other = self.find(keyword, data.line, Sort::Nodes, &name)?;
-            let added = self.deck.node_sets.add_set(set, other, &mut self.allowance);
-            added.map_err(|fault| keyword.error_at(data.line, fault))?;
-        }
-        Ok(())
-    }
-
-    fn faces(&mut self, keyword: &Keyword, name: String) -> Result<(), InpError> {
-        let mut entries = Vec::new();
-        while let Some(data) = self.cards.data() {
-            let mut fields = data.fields.iter().map(|field| text(field));
-            let of = self.own(&fields.next().unwrap_or_default());
-            let of = match of.parse() {
-                Ok(number) => Err(number),
-                Err(_) => Ok(self.find(keyword, data.line, Sort::Elements, &of)?),
-            };
-            let face = match fields
-                .next()
-                .unwrap_or_default()
-                .to_ascii_uppercase()
-                .as_str()
-            {
-                "" | "SPOS" | "SNEG" => Face::Outer,
-                other => Face::Number(face_number(keyword, data.line, other)?),
-            };
-            entries.push(Entry { of, face });
-        }
-        self.deck.surfaces.push(Surface { name, entries });
-        Ok(())
     }
 
     fn section(&mut self, keyword: &Keyword) {
-        let set = keyword.value("ELSET").map(|name| self.own(name));
-        let set = set.and_then(|name| self.deck.element_sets.find(&name));
+        let set = keyword.value("ELSET").map(|name| name.replace('"', ""));
+        let set = set.and_then(|name| self.deck().element_sets.find(&name));
         if let (Some(set), Some(material)) = (set, keyword.value("MATERIAL")) {
-            self.deck.sections.push((set, material.to_owned()));
+            self.deck().sections.push((set, material.to_owned()));
         }
     }
 }
 
 /// What a set is of.
 #[derive(Clone, Copy)]
-enum Sort {
+pub(super) enum Sort {
     Nodes,
     Elements,
 }

@@ -26,6 +26,13 @@ pub(super) struct Run {
     pub(super) step: u64,
 }
 
+impl Set {
+    /// Whether it has no numbers, whatever they are.
+    pub(super) fn is_empty(&self) -> bool {
+        self.runs.is_empty()
+    }
+}
+
 impl Run {
     /// One number.
     pub(super) fn one(number: u64) -> Self {
@@ -37,11 +44,48 @@ impl Run {
     }
 }
 
+/// Numbers of a part in the deck that it is put into.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Numbers {
+    base: u64,
+    /// The largest one of the part.
+    most: u64,
+}
+
+impl Numbers {
+    /// Those after the largest one of a deck.
+    pub(super) fn after(base: u64, most: u64) -> Result<Self, InpFault> {
+        let fits = base.checked_add(most).is_some();
+        let what = || "node or element numbers of this size in several instances".to_owned();
+        fits.then_some(Self { base, most })
+            .ok_or_else(|| InpFault::Unsupported(what()))
+    }
+
+    /// A number of the part in the deck; one that the part cannot have is no number.
+    pub(super) fn of(self, number: u64) -> u64 {
+        if number > self.most {
+            return u64::MAX;
+        }
+        self.base.saturating_add(number)
+    }
+
+    /// The part of a run that the part can have.
+    pub(super) fn run(self, run: Run) -> Option<Run> {
+        (run.first <= self.most).then(|| Run {
+            first: self.of(run.first),
+            last: self.of(run.last.min(self.most)),
+            ..run
+        })
+    }
+}
+
 /// A named set.
 #[derive(Clone, Debug)]
 pub(super) struct Set {
     /// As it is written first.
     pub(super) name: String,
+    /// Name of the instance that it is of; empty where it is of none.
+    pub(super) owner: String,
     pub(super) visibility: Visibility,
     runs: Vec<Run>,
 }
@@ -71,6 +115,8 @@ impl Allowance {
 pub(super) struct Sets {
     pub(super) all: Vec<Set>,
     index: HashMap<String, usize>,
+    /// Sets of instances by their own names; none where several have the name.
+    of_instances: HashMap<String, Option<usize>>,
 }
 
 impl Sets {
@@ -82,6 +128,7 @@ impl Sets {
         }
         self.all.push(Set {
             name: name.to_owned(),
+            owner: String::new(),
             visibility,
             runs: Vec::new(),
         });
@@ -89,13 +136,48 @@ impl Sets {
         self.all.len() - 1
     }
 
-    /// The set of a name, whose case does not count.
+    /// The set of a name, whose case does not count; that of an instance by `INSTANCE.SET`, or by
+    /// its own name where one instance alone has it.
     pub(super) fn find(&self, name: &str) -> Option<usize> {
-        self.index.get(&name.to_ascii_uppercase()).copied()
+        let key = name.to_ascii_uppercase();
+        let own = self.index.get(&key).copied();
+        own.or_else(|| self.of_instances.get(&key).copied().flatten())
     }
 
-    /// Adds a run, joined to the last one where it goes on.
+    /// Adds the sets of a part under the name of its instance; where each of them is.
+    pub(super) fn adopt(&mut self, part: &Self, owner: &str, numbers: Numbers) -> Vec<usize> {
+        let mut places = Vec::with_capacity(part.all.len());
+        for set in &part.all {
+            let at = self.all.len();
+            places.push(at);
+            let own = set.name.to_ascii_uppercase();
+            let key = format!("{}.{own}", owner.to_ascii_uppercase());
+            self.index.entry(key).or_insert(at);
+            self.of_instances
+                .entry(own)
+                .and_modify(|found| *found = None)
+                .or_insert(Some(at));
+            let runs = set.runs.iter();
+            self.all.push(Set {
+                owner: owner.to_owned(),
+                runs: runs.filter_map(|run| numbers.run(*run)).collect(),
+                ..set.clone()
+            });
+        }
+        places
+    }
+
+    /// Sets and their runs.
+    pub(super) fn size(&self) -> usize {
+        self.all.iter().map(|set| 1 + set.runs.len()).sum()
+    }
+
+    /// Adds a run, joined to the last one where it goes on; one that ends before it begins is
+    /// empty.
     pub(super) fn add(&mut self, set: usize, run: Run) {
+        if run.last < run.first {
+            return;
+        }
         let Some(set) = self.all.get_mut(set) else {
             return;
         };
