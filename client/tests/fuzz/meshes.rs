@@ -199,6 +199,20 @@ const INP_TWO: &str = "*PART, NAME=p\n*NODE, NSET=n\n1, 0., 0.\n2, 1., 0.\n3, 1.
     *END INSTANCE\n*NSET, NSET=both\ni.n, j.n, j.3\n*ELSET, ELSET=c, INSTANCE=j, GENERATE\n1, 9, 2\n\
     *END ASSEMBLY\n*TIE, NAME=t\ns, s\n";
 
+/// What a scene says of a deck.
+const INP_SCENE: &str = "*NSET, NSET=point\n900\n*MATERIAL, NAME=m\n*HYPERELASTIC, OGDEN, N=2\n\
+    0.5, 4., 0.25, -2., 1e-3, 0.\n*ELASTIC\n1., 0.3\n*HYPERELASTIC, POLYNOMIAL, N=2\n1., 2., 3., 4., 5.\n\
+    *BOUNDARY\nfloor, ENCASTRE\npoint, 1, 6\n*SURFACE, NAME=roll, TYPE=REVOLUTION\n\
+    0., 0., 1., 0., 0., 2.\nSTART, 0., 1.\nCIRCL, 2., 3., 0., 3.\n\
+    *SURFACE, NAME=plate, TYPE=CYLINDER\n0., 0., 0., 0., 1., 0.\n0., 0., 1.\nSTART, 2., 1.\nLINE, -2., 1.\n\
+    *RIGID BODY, REF NODE=900, ANALYTICAL SURFACE=plate\n*SURFACE INTERACTION, NAME=i\n*FRICTION\n0.3\n\
+    *CONTACT PAIR, INTERACTION=i\nskin, plate\n*STEP\n*STATIC\n0.05, 1.\n*BOUNDARY\npoint, 2, 2, -0.4\n";
+
+fn scene_corpus() -> Corpus {
+    let seeds = [INP_SCENE, INP_SCENE, INP_TWO].map(|seed| seed.as_bytes().to_vec());
+    Corpus::new(Form::File, seeds.to_vec(), &INP_WORDS)
+}
+
 fn inp_corpus() -> Corpus {
     let ring: &[u8] = include_bytes!("../formats/ring2.inp");
     let sphere: &[u8] = include_bytes!("../formats/sphere2.inp");
@@ -328,6 +342,24 @@ fn all_bytes_are_read_as_gmsh_or_refused_within_the_budget() {
 #[test]
 fn all_bytes_are_read_as_abaqus_or_refused_within_the_budget() {
     run(&inp_corpus(), inp::read);
+}
+
+#[test]
+fn all_bytes_are_read_as_the_scene_of_a_deck_or_refused_within_the_budget() {
+    let budget = Budget::of_mebibytes(64);
+    let mut refused = 0;
+    Campaign::from_environment().run(&scene_corpus(), |input, _| {
+        let mut beside = |_: &std::path::Path| Ok(INP_FLAT.as_bytes().to_vec());
+        if let Err(error) = inp::read_scene(input, &mut beside) {
+            refused += 1;
+            assert!(!error.to_string().is_empty());
+        }
+        if let Err(error) = inp::read_with(input, &mut beside) {
+            assert!(!error.to_string().is_empty());
+        }
+        budget.check();
+    });
+    assert!(refused > 0);
 }
 
 #[test]

@@ -105,9 +105,10 @@ pub enum InpFault {
 impl InpFault {
     /// The words for copies of parts where those for members of sets are.
     pub(super) fn copies(self) -> Self {
-        match self {
-            Self::TooManyMembers(limit) => Self::TooManyCopies(limit),
-            other => other,
+        if let Self::TooManyMembers(limit) = self {
+            Self::TooManyCopies(limit)
+        } else {
+            self
         }
     }
 }

@@ -39,6 +39,7 @@ mod include;
 mod members;
 mod node_sets;
 mod reader;
+pub mod scene;
 mod sets;
 
 #[cfg(test)]
@@ -49,6 +50,7 @@ mod tests_of_assemblies;
 use super::mesh::{MeshFault, MeshFile};
 use include::Expanded;
 use reader::Includes;
+use scene::DeckScene;
 
 pub use error::{InpError, InpFault};
 pub use include::ReadBeside;
@@ -75,6 +77,15 @@ pub fn read_with(bytes: &[u8], beside: &mut ReadBeside<'_>) -> Result<MeshFile, 
     }
     let expanded = Expanded::of(bytes, beside)?;
     mesh(&expanded.bytes, Includes::Expanded).map_err(|error| expanded.located(error))
+}
+
+/// Reads what a deck says beside its mesh, with the files that it includes.
+///
+/// # Errors
+/// As [`read_with`], for what is read here.
+pub fn read_scene(bytes: &[u8], beside: &mut ReadBeside<'_>) -> Result<DeckScene, InpError> {
+    let expanded = Expanded::of(bytes, beside)?;
+    scene::scene(&expanded.bytes).map_err(|error| expanded.located(error))
 }
 
 fn mesh(bytes: &[u8], includes: Includes) -> Result<MeshFile, InpError> {
