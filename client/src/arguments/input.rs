@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use signorini_client::bounded_file;
 use signorini_client::formats::grid;
+use signorini_client::formats::inp::{self, scene::DeckScene};
 use signorini_client::formats::mesh::MeshFile;
-use signorini_client::formats::reader;
+use signorini_client::formats::reader::{self, Format};
 use signorini_client::formats::stl;
 use signorini_client::formats::vtp::Triangulation;
 use signorini_client::scene_file::{self, SceneFileError};
@@ -197,9 +198,21 @@ pub(crate) fn read_file<T, E: std::fmt::Display>(
 
 /// Reads a mesh file of any format, and what it includes beside it.
 pub(crate) fn load_mesh(path: &Path) -> Result<MeshFile, Failure> {
-    let mut beside = |name: &Path| {
+    read_file(path, |bytes| reader::read(bytes, path, &mut beside(path)))
+}
+
+/// Reads what an Abaqus deck says beside its mesh; none of other formats.
+pub(crate) fn load_deck(path: &Path) -> Result<Option<DeckScene>, Failure> {
+    read_file(path, |bytes| match Format::of(bytes, path) {
+        Some(Format::Inp) => inp::read_scene(bytes, &mut beside(path)).map(Some),
+        _ => Ok(None),
+    })
+}
+
+/// Reads files below the folder of a deck.
+fn beside(path: &Path) -> impl FnMut(&Path) -> Result<Vec<u8>, String> {
+    move |name| {
         let file = path.with_file_name(name);
         bounded_file::read(&file, MOST_BYTES).map_err(|error| error.to_string())
-    };
-    read_file(path, |bytes| reader::read(bytes, path, &mut beside))
+    }
 }

@@ -1,4 +1,4 @@
-//! `init`: a commented scene for a mesh.
+//! `init`: a commented scene for a mesh, with what its deck says beside it.
 
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write as _};
@@ -14,7 +14,8 @@ pub(super) fn run(mesh: &Path, scene: Option<PathBuf>) -> Result<Exit, Failure> 
     let read = input::load_mesh(mesh)?;
     let scene = scene.unwrap_or_else(|| mesh.with_extension("toml"));
     let named = as_named_in(&scene, mesh);
-    write_new(&scene, &scene_draft::draft(&read, &named))?;
+    let deck = input::load_deck(mesh)?;
+    write_new(&scene, &scene_draft::draft(&read, &named, deck.as_ref()))?;
     for warning in &read.warnings {
         note(&format!("warning: {warning}\n"));
     }

@@ -11,6 +11,7 @@ mod completions;
 mod config;
 #[cfg(feature = "embedded")]
 mod data;
+mod deck_draft;
 pub(crate) mod embed;
 mod fetch;
 #[cfg(feature = "fleet")]

@@ -3,9 +3,11 @@
 
 use std::fmt::Write as _;
 
+use signorini_client::formats::inp::scene::DeckScene;
 use signorini_client::formats::msh::{MeshFile, MeshGroup};
 use toml::Value;
 
+use crate::commands::deck_draft::Deck;
 use crate::commands::mesh_shape::{Shape, group_box};
 
 /// Of the body's height: what still counts as a plane.
@@ -19,8 +21,9 @@ struct Body<'a> {
     up: usize,
 }
 
-/// The text of a scene whose mesh is called `named`.
-pub(crate) fn draft(mesh: &MeshFile, named: &str) -> String {
+/// The text of a scene whose mesh is called `named`, and comes from a deck that says more.
+pub(crate) fn draft(mesh: &MeshFile, named: &str, deck: Option<&DeckScene>) -> String {
+    let mut deck = deck.map(|deck| Deck::new(mesh, deck));
     let up = mesh.vertices_per_cell - 2;
     let shape = Shape::of(mesh);
     let body = Body { mesh, shape, up };
@@ -30,9 +33,11 @@ pub(crate) fn draft(mesh: &MeshFile, named: &str) -> String {
         quoted(named)
     );
     text.push_str(body.kind());
-    text.push_str(&body.materials());
-    text.push_str(&body.surfaces());
+    text.push_str(&body.materials(deck.as_ref()));
+    let conditions = deck.as_mut().and_then(Deck::conditions);
+    text.push_str(&conditions.unwrap_or_else(|| body.surfaces()));
     text.push_str(LAST);
+    text.push_str(&deck.map(|deck| deck.list()).unwrap_or_default());
     text
 }
 
@@ -71,18 +76,19 @@ impl Body<'_> {
         groups.filter(|group| group.dimension + 1 < self.mesh.vertices_per_cell)
     }
 
-    fn materials(&self) -> String {
+    fn materials(&self, deck: Option<&Deck<'_>>) -> String {
+        let law = |group: &str| deck.and_then(|deck| deck.law(group));
         let mut text = String::from("\n# Each cell needs a material, by its group.\n");
         let mut groups: Vec<&MeshGroup> = self.cell_groups().collect();
         // Writers of decks make groups of their own beside those that somebody has named.
-        groups.sort_by_key(|group| is_made_up(&group.name));
+        groups.sort_by_key(|group| (law(&group.name).is_none(), is_made_up(&group.name)));
         let mut is_covered = vec![false; self.mesh.cell_count()];
         for group in &groups {
             let mut cells = group.members.iter().map(|&cell| cell as usize);
             if cells.any(|cell| is_covered.get(cell).copied().unwrap_or(true)) {
                 text.push_str(&overlapping(&group.name))
             } else {
-                text.push_str(&material(&group.name))
+                text.push_str(&material(&group.name, law(&group.name)))
             }
             for &cell in &group.members {
                 if let Some(covered) = is_covered.get_mut(cell as usize) {
@@ -92,7 +98,7 @@ impl Body<'_> {
         }
         if groups.is_empty() {
             text.push_str("# The mesh has no group of cells: name one, body, say.\n");
-            text.push_str(&material("body"));
+            text.push_str(&material("body", None));
         }
         text
     }
@@ -207,7 +213,7 @@ fn overlapping(group: &str) -> String {
     )
 }
 
-fn material(group: &str) -> String {
+fn material(group: &str, law: Option<String>) -> String {
     let key = quoted(group);
     let bare = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
     let key = if !group.is_empty() && group.chars().all(bare) {
@@ -215,6 +221,9 @@ fn material(group: &str) -> String {
     } else {
         &key
     };
+    if let Some(law) = law {
+        return format!("[material.{key}]\n{law}");
+    }
     format!(
         "[material.{key}]\n\
          model = \"neo-hookean\"  # or mooney-rivlin, yeoh, polynomial, gent, arruda-boyce, ogden, linear-elastic\n\
@@ -295,7 +304,7 @@ mod tests {
     }
 
     fn read(mesh: &MeshFile) -> v1::Scene {
-        let text = draft(mesh, "a \"b\".msh");
+        let text = draft(mesh, "a \"b\".msh", None);
         let scene = scene_file::read(&text, Path::new("draft.toml"), &[]);
         let scene = scene.unwrap_or_else(|error| unreachable!("{error}\n{text}"));
         assert_eq!(scene.mesh, Path::new("a \"b\".msh"));
