@@ -15,7 +15,7 @@ type Vector = [f64; 3];
 pub(crate) struct Travels {
     /// Of obstacles.
     obstacles: BTreeMap<String, Vector>,
-    /// Of the supports that a step names; none of those that only turn or stay.
+    /// Of the supports that a step names or that have moved; none of those that only turn or stay.
     supports: BTreeMap<String, Option<Vector>>,
 }
 
@@ -45,11 +45,17 @@ impl Travels {
         direction.map_or_else(size, |direction| dot(&support.force, &direction))
     }
 
-    /// Learns from the poses of a result what no step has said: obstacles driven by a
-    /// force, and steps that came from elsewhere.
+    /// Learns from the poses of a result what no step has said: obstacles and supports driven by
+    /// a force, and steps that came from elsewhere.
     pub(crate) fn see(&mut self, report: &v1::StepReport) {
         for pose in &report.obstacle_poses {
             self.learn(&pose.name, &pose.translation);
+        }
+        for (name, support) in &report.supports {
+            if let Some(direction) = unit(&support.translation) {
+                let known = self.supports.entry(name.clone()).or_default();
+                known.get_or_insert(direction);
+            }
         }
     }
 
@@ -149,6 +155,22 @@ mod tests {
         let force = travels.force("top", &pressed([3.0, 0.0, -4.0]));
         assert!((force - 5.0).abs() < 1e-15);
         assert_eq!(travels.distance("top", &at("top", [0.0; 3])), None);
+    }
+
+    #[test]
+    fn a_support_that_its_force_moves_is_told_along_its_way() {
+        let support = v1::SupportResult {
+            force: vec![-3.0, 4.0, 0.0],
+            translation: vec![-0.5, 0.0, 0.0],
+            ..Default::default()
+        };
+        let mut travels = Travels::default();
+        travels.see(&v1::StepReport {
+            supports: BTreeMap::from([("pin".to_owned(), support.clone())]),
+            ..Default::default()
+        });
+        assert_eq!(travels.supports().collect::<Vec<_>>(), ["pin"]);
+        assert!((travels.reaction("pin", &support) - 3.0).abs() < 1e-15);
     }
 
     #[test]
