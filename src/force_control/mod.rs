@@ -363,7 +363,12 @@ impl Balance {
             relative,
             scale,
             tolerance: self.tolerance,
-            force_scale: run.state.force_scale,
+            // That of supports is of the motion of a stiff part, not of what they bear.
+            force_scale: if self.moves_supports() {
+                scale
+            } else {
+                run.state.force_scale
+            },
         }
     }
 

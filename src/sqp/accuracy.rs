@@ -17,6 +17,7 @@
 //! directions to the tolerance that follows, until it holds. Cost beside the
 //! iterations saved: an estimate and one preconditioner application a round.
 
+use super::increment::describe;
 use super::proximal_rest;
 use super::run::Run;
 use crate::linalg::Preconditioner;
@@ -66,8 +67,14 @@ fn by_forces(run: &mut Run<'_>, drive: &Drive) -> Ending {
         return ending;
     }
     let kept = run.state.clone();
-    let again = proximal_rest::solve(run, drive);
-    if again.termination == Termination::Converged || again.is_stopped() {
+    let mut again = proximal_rest::solve(run, drive);
+    if again.termination == Termination::Converged {
+        // Told by the measure of the increment, which rounding of its stiff part belongs to.
+        run.state.force_scale = ending.force_scale;
+        describe(run, &mut again);
+        return again;
+    }
+    if again.is_stopped() {
         return again;
     }
     *run.state = kept;

@@ -42,8 +42,7 @@ const OF_THE_SCENE: [&str; 8] = [
 /// What is told of ties.
 const TIES: &str = "ties of the file (*TIE) are not read: the bodies that they join stay separate";
 /// What is told of what a scene says.
-const OF_THE_FILE: &str =
-    "materials, supports, loads and steps are those of the scene; `signorini init` writes one from the deck";
+const OF_THE_FILE: &str = "materials, supports, loads and steps are those of the scene; `signorini init` writes one from the deck";
 
 /// A part or an instance that is being read.
 struct Open {
