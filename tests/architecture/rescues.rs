@@ -50,7 +50,7 @@ fn page() -> String {
         "# Fallbacks\n\n\
         What is tried where the direct way fails. Each is kept because a test fails without it; those of a load path are decided in one\n\
         place, `continuation::strategy`, and appear in results as [`attempts`](results.md). Counts: increments of the\n\
-        examples in which it acted, as `tests/benches/rescues.py` found them; \"-\" where results do not tell.\n\n\
+        examples and of the kept families in which it acted, as `tests/benches/rescues.py` found them; \"-\" where results do not tell.\n\n\
         | fallback | code | for | fails without it | acts in |\n|---|---|---|---|---|\n",
     );
     for [name, item, purpose, _, test] in RESCUES {

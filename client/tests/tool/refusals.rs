@@ -179,7 +179,7 @@ fn bad_cells_are_named() {
 #[test]
 fn a_mesh_without_cells_is_refused() {
     let run = solve("no_cells", SCENE, &mesh(NODES, "1 1 2 2 2 1 2\n"));
-    assert_refused(&run, &["mesh.msh: no triangles or tetrahedra"]);
+    assert_refused(&run, &["mesh.msh: no triangles, quadrangles, tetrahedra"]);
 }
 
 #[test]

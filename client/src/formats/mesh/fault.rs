@@ -37,7 +37,7 @@ pub enum MeshFault {
     )]
     Folded(String),
     /// Nothing to solve on.
-    #[error("no cells of an area or a volume")]
+    #[error("no triangles, quadrangles, tetrahedra, hexahedra, wedges or pyramids")]
     NoCells,
     /// More vertices or elements than 32-bit indices reach.
     #[error("more than {0} vertices or elements")]

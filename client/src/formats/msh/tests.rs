@@ -262,7 +262,10 @@ fn a_mesh_of_lines_only_has_no_cells() {
     let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n\
                 $Elements\n1\n1 1 2 4 4 1 2\n$EndElements\n";
     let error = read(text.as_bytes()).unwrap_err();
-    assert_eq!(error.to_string(), "no cells of an area or a volume");
+    assert_eq!(
+        error.to_string(),
+        "no triangles, quadrangles, tetrahedra, hexahedra, wedges or pyramids"
+    );
 }
 
 #[test]
