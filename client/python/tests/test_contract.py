@@ -9,9 +9,12 @@ from typing import Any
 import pytest
 
 import signorini as s
-from signorini import _encode, _options, _program, reports
+from signorini import _connection, _encode, _program, reports
 from signorini.v1 import report_pb2, scene_pb2, step_pb2
 
+# Keys of a support that the message has in one of their own.
+SPRINGS = {"stiffness", "rotational_stiffness"}
+LOADS = {one.name for one in scene_pb2.SupportLoad.DESCRIPTOR.fields}
 CLASSES = [
     (s.LinearElastic, scene_pb2.LinearElastic, {"formulation"}, set()),
     (s.Stokes, scene_pb2.Stokes, {"formulation"}, set()),
@@ -32,7 +35,7 @@ CLASSES = [
     (s.Surface, scene_pb2.SurfaceShape, {"inside", "file"}, {"surface"}),
     (s.HeightField, scene_pb2.HeightField, {"inside", "file"}, {"grid"}),
     (s.DistanceGrid, scene_pb2.DistanceGrid, {"inside", "file"}, {"grid"}),
-    (s.Support, scene_pb2.Support, set(), set()),
+    (s.Support, scene_pb2.Support, LOADS, {"load"}),
     (s.Traction, scene_pb2.Traction, set(), set()),
     (s.Pressure, scene_pb2.Pressure, set(), set()),
     (s.Obstacle, scene_pb2.Obstacle, set(), set()),
@@ -58,8 +61,9 @@ def filled(kind: Any) -> dict[str, Any]:
     values: dict[str, Any] = {one.name: 0.25 for one in dataclasses.fields(kind)}
     vectors = {"point", "normal", "centre", "axis", "half_sizes", "start", "end", "apex", "translation", "rotation"}
     vectors |= {"about", "mu", "alpha"}
+    vectors -= {"mu"} if kind is s.ArrudaBoyce else set()
     values |= dict.fromkeys(vectors & values.keys(), (1, 2.5, 3))
-    values |= {name: {"x": 1.0} for name in {"displacement", "force", "moment"} & values.keys()}
+    values |= {name: {"x": 1.0} for name in {"displacement", "force", "moment", *SPRINGS} & values.keys()}
     values |= {"normal": 0.0} if kind is s.Support else {}
     # The program reads files; arrays go round the text.
     values.pop("values", None)
@@ -145,6 +149,6 @@ def test_updates_name_the_wrong_key() -> None:
 
 
 def test_pauses_double_up_to_two_seconds_until_the_patience_ends() -> None:
-    pauses = list(_options.pauses(9.0))
+    pauses = list(_connection.pauses(9.0))
     assert pauses == pytest.approx([0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 1.85])
-    assert list(_options.pauses(0.0)) == []
+    assert list(_connection.pauses(0.0)) == []

@@ -30,7 +30,7 @@ def test_every_page_with_python_is_run_here() -> None:
     counts = {page.relative_to(CLIENT.parent).as_posix(): len(snippets(page)) for page in PAGES}
     assert {name: count for name, count in counts.items() if count} == {
         "README.md": 1,
-        "client/manual/first-seal.md": 1,
+        "client/manual/first-seal.md": 2,
         "client/manual/scenes.md": 1,
         "client/python/README.md": 4,
     }
@@ -139,3 +139,7 @@ def test_the_first_seal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert len(result) == 10
     assert "some 660 N" in text
     assert result.obstacles["lid"].force[1] == pytest.approx(-660, abs=5)
+    names: dict[str, Any] = {}
+    run(snippets(page)[1], names)
+    deeper, opened = (names[name].obstacles["lid"].force[1] for name in ("deeper", "opened"))
+    assert deeper < -660 < opened < 0
