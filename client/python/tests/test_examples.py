@@ -49,7 +49,8 @@ def test_every_example_of_the_command_line_comes_with_the_package() -> None:
         own = s.example(path.stem)
         assert own.read_bytes() == path.read_bytes()
         files = re.findall(r'\b(?:mesh|file) = "([^"]+)"', own.read_text())
-        assert files and all((own.parent / file).exists() for file in files)
+        assert files
+        assert all((own.parent / file).exists() for file in files)
 
 
 def test_an_unknown_example_says_which_there_are() -> None:
