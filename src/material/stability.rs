@@ -11,14 +11,14 @@
 use super::{Isochoric, Ogden};
 use crate::geometry::tensor::Tensor;
 
-/// Stretch up to which a law is looked at, and its inverse.
+/// Stretch up to which a law is looked at, and its inverse: the range of other programs; chosen.
 const FARTHEST: f64 = 10.0;
-/// Strains that are looked at on a way.
+/// Strains that are looked at on a way, 0.6 % apart; chosen.
 const STRAINS: u32 = 400;
-/// Strain of the differences.
+/// Strain of the differences; their error, STEP^2 a^2 / 6, is 1e-7 at an exponent a of 8.
 const STEP: f64 = 1e-4;
-/// Error of the differences over the largest second derivative: squares of the strain and an
-/// exponent.
+/// Error of the differences over the largest second derivative that is no loss of stability: ten
+/// times that.
 const ROUNDING: f64 = 1e-6;
 
 /// A way of deformation: its name, logarithmic strains 1 and 2 over that along it, its sign.

@@ -35,8 +35,8 @@ use crate::scene::ToleranceRule;
 constants! {
     /// Tolerance of the first round.
     const COARSE: f64 = 1e-3;
-    /// Forces at the start over those at hand from which on a solve is repeated: a body of one
-    /// stiffness has some tens. Beyond the second the body moves as a rigid one, without forces.
+    /// Forces at the start over those at hand between which a solve is repeated; chosen: a sleeve of
+    /// 1e5 lies between, and beyond the second the body moves as a rigid one, without forces.
     const LARGER: [f64; 2] = [300.0, 1e8];
     /// Algebraic over discretisation error, both in the energy norm.
     const SHARE: f64 = 0.1;
