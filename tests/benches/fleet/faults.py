@@ -1,12 +1,13 @@
 """Faults of a fleet: three servers behind a proxy, clients with resumed streams, and what goes wrong.
 
     faults.py PROGRAM --haproxy PROGRAM [--faults 60] [--clients 12] [--seed 1] [--pace 0.02]
-                     [--nats 1]
+                     [--nats 1] [--settle 30]
 
 PROGRAM is a `signorini` with the feature `fleet`; `nats-server` has to be on PATH. Faults, by turns of
 chance: a server is killed, a server is stopped beyond its lease and goes on, the proxy is killed (which
 cuts every connection), NATS is restarted (of three servers of NATS one, and everything is kept thrice). Then every client has every result once, in order, with the bits
-of an undisturbed server, and in the stream the epochs of each session only grow (that needs nats-py).
+of an undisturbed server, and in the stream the epochs of each session only grow (that needs nats-py). A
+backup of each server, made while it runs, has no faults and can be restored where the fleet's folder is not.
 Prints the counts and the pauses after kills; exits with 1 where something was lost, doubled or differs.
 """
 
@@ -55,6 +56,22 @@ def wait_for(port: int) -> None:
         else:
             return
     raise TimeoutError(f"nobody listens on {port}")
+
+
+def wait_behind(s, address: str) -> None:
+    """Until the proxy has found a server."""
+    end = time.monotonic() + 60
+    client = s.Client(address)
+    while True:
+        try:
+            list(client.sessions())
+        except s.SignoriniError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.2)
+        else:
+            break
+    client.close()
 
 
 class Program:
@@ -139,6 +156,28 @@ class Fleet:
         for one in [self.proxy, *self.servers, *self.nats]:
             one.signal(signal.SIGCONT)
             one.kill()
+
+
+def backups(fleet: Fleet, folder: Path) -> list[str]:
+    """What is wrong with a backup of a member of the fleet, made while it runs, once it stands alone."""
+    wrong = []
+
+    def run(*words: str | Path) -> None:
+        done = subprocess.run([fleet.program, *words], capture_output=True, check=False, text=True)
+        if done.returncode:
+            wrong.append(f"{words[:2]}: {done.returncode} {done.stdout}{done.stderr}")
+
+    copies = [folder / f"copy-{number}" for number in range(SERVERS)]
+    for number, copy in enumerate(copies):
+        run("backup", folder / f"data-{number}", copy)
+    (folder / "store").rename(folder / "away")
+    for copy in copies:
+        again = copy.with_name(f"again-{copy.name}")
+        run("fsck", copy)
+        run("restore", copy, again)
+        run("fsck", again)
+    (folder / "away").rename(folder / "store")
+    return wrong
 
 
 def bits(increment) -> bytes:
@@ -232,6 +271,16 @@ def fault(fleet: Fleet, kind: str, chance: random.Random, kills: list, clients: 
         time.sleep(chance.uniform(0.2, 1.0))
 
 
+def settle(clients: list[Client], patience: float) -> None:
+    """Until every client has a result after the fault, so that the next one meets sessions that work."""
+    seen = [len(one.results) for one in clients]
+    end = time.monotonic() + patience
+    while time.monotonic() < end:
+        if all(len(one.results) > count or one.error for one, count in zip(clients, seen, strict=True)):
+            break
+        time.sleep(0.1)
+
+
 async def epochs(url: str) -> dict[str, list[tuple[int, str]]]:
     """Epochs and writers of each session's records, in order."""
     import nats
@@ -240,6 +289,12 @@ async def epochs(url: str) -> dict[str, list[tuple[int, str]]]:
     stream = connection.jetstream()
     found: dict[str, list[tuple[int, str]]] = {}
     info = await stream.stream_info("SIGNORINI-SESSIONS")
+    end = time.monotonic() + 30
+    while not info.state.messages and time.monotonic() < end:
+        # A server of NATS that has just started answers before it has read what it holds.
+        await asyncio.sleep(0.5)
+        info = await stream.stream_info("SIGNORINI-SESSIONS")
+    assert info.state.messages, "the stream holds no record of any session"
     for number in range(info.state.first_seq, info.state.last_seq + 1):
         try:
             message = await stream.get_msg("SIGNORINI-SESSIONS", number)
@@ -299,6 +354,7 @@ def main() -> int:
     arguments.add_argument("--clients", type=int, default=12)
     arguments.add_argument("--seed", type=int, default=1)
     arguments.add_argument("--nats", type=int, default=1, help="servers of NATS")
+    arguments.add_argument("--settle", type=float, default=0, help="seconds that a fault waits for every client, at most")
     arguments.add_argument("--pace", type=float, default=0.02, help="seconds between two results of a client")
     given = arguments.parse_args()
     os.environ["SIGNORINI_PROGRAM"] = given.program
@@ -312,16 +368,22 @@ def main() -> int:
         time.sleep(1.5)
         gone = [one.log.read_text() for one in fleet.servers if one.process.poll() is not None]
         assert not gone, gone
+        wait_behind(s, fleet.address)
         clients = [Client(s, fleet.address, f"client-{number}", given.pace) for number in range(given.clients)]
         for client in clients:
             client.start()
-        time.sleep(5)
+        # Who has no session yet has nothing that goes on elsewhere.
+        end = time.monotonic() + 120
+        while not all(one.results or one.error for one in clients) and time.monotonic() < end:
+            time.sleep(0.2)
+        assert all(one.results for one in clients), [f"{one.name_of}: {one.error!r}" for one in clients]
         kills: list[tuple[float, Client]] = []
         counts = dict.fromkeys(("kill", "stop", "cut", "nats"), 0)
         for number in range(given.faults):
             kind = list(counts)[number % len(counts)]
             counts[kind] += 1
             fault(fleet, kind, chance, kills, clients)
+            settle(clients, given.settle)
             dead = [client for client in clients if client.error]
             print(f"{number + 1:4} {kind:5} results {sum(len(one.results) for one in clients)}", flush=True)
             if dead:
@@ -339,7 +401,8 @@ def main() -> int:
             client.end.set()
         for client in clients:
             client.join(120)
-        failed = [f"{one.name_of}: {one.error or 'hangs'}" for one in clients if one.error or one.is_alive()]
+        spoilt = backups(fleet, Path(folder))
+        failed = [f"{one.name_of}: {one.error!r}" if one.error else f"{one.name_of}: hangs" for one in clients if one.error or one.is_alive()]
         gaps = [one.name_of for one in clients if one.events != list(range(1, len(one.events) + 1))]
         longest = max(len(one.results) for one in clients)
         pauses = []
@@ -351,10 +414,11 @@ def main() -> int:
         differ = [one.name_of for one in clients if [bit for _, bit in one.results] != expected[: len(one.results)]]
     print(f"faults {counts}, results {sum(len(one.results) for one in clients)}, longest {longest}")
     print(f"failed {failed}; lost or doubled {gaps}; other bits {differ}; epochs grow {grown}")
+    print(f"backups of {SERVERS} members: {spoilt or 'sound, restored'}")
     if pauses:
         median = statistics.median(pauses)
         print(f"pause after a kill: median {median:.2f} s, longest {max(pauses):.2f} s, of {len(pauses)}")
-    return int(bool(failed or gaps or differ or not grown))
+    return int(bool(failed or gaps or differ or spoilt or not grown))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import grpc
 
-from common import Block, Client, Rejected, mesh_pb, scene_pb, session_pb
+import raw
+from common import IDENTITY, Block, Client, Rejected, mesh_pb, scene_pb, session_pb
 
 
 def number(message, field):
@@ -147,6 +148,70 @@ def connections(address, token, ended):
     crowd([Client(address, token) for _ in range(12)], one)
 
 
+def watchers(address, token, ended):
+    """Three hundred thousand watches of health, which need no token, on 74 connections."""
+    held = [raw.Connection(address, "/grpc.health.v1.Health/Watch", 4096) for _ in range(74)]
+    for _ in range(4096 // 64):
+        for one in held:
+            if not ended.is_set():
+                one.call(64)
+    ended.wait()
+    tell("watches of health", held)
+
+
+def refused(address, token, ended):
+    """Calls without a token on four connections, as fast as they are refused."""
+
+    def one(connection):
+        while not ended.is_set() and not connection.gone:
+            connection.call(16)
+
+    held = [raw.Connection(address, "/signorini.v1.SessionService/GetSession", 256) for _ in range(4)]
+    crowd(held, one)
+    tell("calls without a token", held)
+
+
+def garbage(address, token, ended):
+    """Uploads of a gigabyte in all: messages of noise, and meshes whose arrays are noise."""
+    noise = os.urandom(1 << 20)
+    header = mesh_pb.MeshHeader(cell_kind=mesh_pb.CELL_KIND_TETRAHEDRON, vertex_count=300_000, cell_count=1_500_000)
+    sent = itertools.count()
+
+    def bare():
+        for _ in range(16):
+            next(sent)
+            yield noise
+
+    def meshes():
+        yield mesh_pb.UploadMeshRequest(header=header)
+        for array, size in ((mesh_pb.MESH_ARRAY_COORDINATES, 7_200_000), (mesh_pb.MESH_ARRAY_CELLS, 24_000_000)):
+            for start in range(0, size, 1 << 20):
+                next(sent)
+                offset = start // (8 if array == mesh_pb.MESH_ARRAY_COORDINATES else 4)
+                chunk = mesh_pb.MeshChunk(array=array, offset_elements=offset, data=noise[: size - start])
+                yield mesh_pb.UploadMeshRequest(chunk=chunk)
+
+    def one(client):
+        call = client.channel.stream_unary("/signorini.v1.MeshService/UploadMesh", **IDENTITY)
+        while not ended.is_set() and next(sent) < 1024:
+            for upload in (lambda: call(bare(), metadata=client.metadata), lambda: client.meshes.UploadMesh(meshes(), metadata=client.metadata)):
+                try:
+                    upload()
+                except grpc.RpcError:
+                    pass
+
+    crowd([Client(address, token) for _ in range(4)], one)
+    print(f"attackers: {next(sent)} MiB of noise were sent", flush=True)
+
+
+def tell(what, held):
+    """How many of the calls by hand were begun, and how many have ended."""
+    begun, over = (sum(getattr(one, key) for one in held) for key in ("begun", "ended"))
+    print(f"attackers: {begun} {what}, {over} of them ended, {sum(one.gone for one in held)} of {len(held)} connections gone", flush=True)
+    for one in held:
+        one.close()
+
+
 def patient(call, ended):
     """Tries a call until it is taken."""
 
@@ -169,7 +234,7 @@ def crowd(clients, work):
         one.join()
 
 
-ALL = {one.__name__: one for one in (writers, bombs, uploads, plans, stuck, connections)}
+ALL = {one.__name__: one for one in (writers, bombs, uploads, plans, stuck, connections, watchers, refused, garbage)}
 
 
 def run(name, address, token, here, ended):

@@ -74,6 +74,7 @@ class Attack:
 
     def __enter__(self):
         self.ended, self.times, self.peak = PROCESSES.Event(), PROCESSES.Queue(), 0
+        self.begun, self.said = time.monotonic(), len(self.server.said())
         here = PROCESSES.Semaphore(0)
         of = lambda name: (name, self.server.address, self.server.tokens[name], here, self.ended)  # noqa: E731
         self.bad = [PROCESSES.Process(target=attackers.run, args=of(name)) for name in self.names]
@@ -92,6 +93,10 @@ class Attack:
             self.peak = max(self.peak, self.server.memory())
 
     def __exit__(self, *_):
+        # What the good client does is no stranger's.
+        lines = self.server.said()[self.said :].splitlines()
+        others = sum(len(line) + 1 for line in lines if "step finished" not in line)
+        self.log = others / (time.monotonic() - self.begun)
         self.ended.set()
         self.watching.join()
         self.health, self.calm = self.times.get()
@@ -116,7 +121,7 @@ def beside(good, server, name, seconds):
 def heard(attack):
     """Health of both servers in numbers."""
     at = common.percentile
-    return {"health": at(attack.health, 0.99), "worst": max(attack.health), "asked": len(attack.health), "calm": at(attack.calm, 0.99)}
+    return {"health": at(attack.health, 0.99), "worst": max(attack.health), "asked": len(attack.health), "calm": at(attack.calm, 0.99), "log": attack.log}
 
 
 def together(good, server, names, seconds):
@@ -132,9 +137,14 @@ def tell_health(what, found):
     row(what, "<= 50 ms", words, found["health"] <= 0.05 if found["calm"] <= 0.025 else None)
 
 
+def tell_log(what, found):
+    row(what, "<= 10 kB/s", f"{found['log'] / 1e3:.1f} kB/s", found["log"] <= 1e4)
+
+
 def tell_beside(found, bound):
     row(f"good client beside {found['name']}", ">= 40 %", f"{100 * found['share']:.0f} % of {found['alone']:.0f}/s", found["share"] >= 0.4)
     tell_health(f"health p99 beside {found['name']}", found)
+    tell_log(f"log beside {found['name']}", found)
     row(f"peak memory beside {found['name']}", f"<= {bound:.0f} MB", f"{found['peak'] / MEGABYTE:.0f} MB", found["peak"] <= bound * MEGABYTE)
 
 

@@ -12,6 +12,7 @@ import os
 import random
 import shutil
 import signal
+import socket
 import statistics
 import struct
 import subprocess
@@ -71,6 +72,13 @@ def arguments(doc, **more):
     # Ended by a signal, too, no server stays behind.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     return given
+
+
+def free_port():
+    """A port of loopback that nobody has just now."""
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        return found.getsockname()[1]
 
 
 def row(what, asked, measured, met):
@@ -150,7 +158,7 @@ def status_of(pid, key):
 
 
 class Server:
-    """A server process with settings, tokens for `clients` and, if asked, a data folder."""
+    """A server process with settings, tokens for `clients` and, if asked, a data folder: its own, or that of a path."""
 
     def __init__(self, clients=(), data=False, prefix=(), name="server", folder=None, **settings):
         self.folder = Path(folder or FOLDER / name)
@@ -161,7 +169,7 @@ class Server:
         if clients:
             settings["tokens"] = str(self.folder / "tokens.toml")
         if data:
-            settings["data"] = str(self.folder / "data")
+            settings["data"] = str(self.folder / "data" if data is True else data)
         settings = {"metrics_listen": "", "log_format": "text", **settings}
         text = "".join(f"{key} = {json.dumps(value)}\n" for key, value in settings.items())
         (self.folder / "settings.toml").write_text(text)
@@ -223,7 +231,7 @@ def channel(address):
     """A connection of its own."""
     options = [("grpc.default_authority", "localhost"), ("grpc.use_local_subchannel_pool", 1)]
     options += [("grpc.max_receive_message_length", 8 << 20), ("grpc.initial_reconnect_backoff_ms", 100)]
-    options += [("grpc.min_reconnect_backoff_ms", 100), ("grpc.max_reconnect_backoff_ms", 500)]
+    options += [("grpc.min_reconnect_backoff_ms", 5000), ("grpc.max_reconnect_backoff_ms", 500)]
     return grpc.insecure_channel(address, options=options)
 
 
