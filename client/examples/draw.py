@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Draws the last result of a scene: the deformed body with its von Mises stress, solids from obliquely below with their
-contact pressure, and the tools.
+contact pressure, the tools, and in red the paths on which fluids leak first.
 
 usage: draw.py RESULTS_FOLDER PICTURE.png [WIDTH]      needs `pip install meshio matplotlib pyvista`
 """
@@ -43,7 +43,9 @@ def tools(axes, folder, number):
     for path in sorted(folder.glob(f"*_{number}.vtp")):
         tool = pyvista.read(path)
         for k in range(tool.n_cells):
-            axes.plot(*tool.get_cell(k).points[:, :2].T, color="0.35", linewidth=1.5, zorder=0)
+            points = tool.get_cell(k).points[:, :2].T
+            is_leak = "_leak_" in path.name
+            axes.plot(*points, **({"color": "red", "linewidth": 2.5} if is_leak else {"color": "0.35", "linewidth": 1.5, "zorder": 0}))
 
 
 def solid(path, folder, picture):

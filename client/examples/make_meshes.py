@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Meshes of the seals and soft tools: o-ring, bush, lip, stopper, finger, tyre, belt, gripper, and the surface of the
-egg that the gripper meets. usage: make_meshes.py [OUTDIR]
+"""Meshes of the seals and soft tools: o-ring, bush, lip, stopper, finger, tyre, belt, gripper, of the seals that fluids
+press (seal-ring, lip-seal, syringe, kiss-seal), and the surface of the egg that the gripper meets.
+usage: make_meshes.py [OUTDIR [FACTOR OF THE SIZES OF THOSE SEALS]]
 
 Needs `pip install gmsh numpy`. Lengths in millimetres.
 """
@@ -13,6 +14,7 @@ import gmsh
 import numpy as np
 
 OUT = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent / "meshes")
+FACTOR = float(sys.argv[2]) if len(sys.argv) > 2 else 1.0
 PLANE = gmsh.model.geo
 
 
@@ -151,6 +153,63 @@ def gripper():
     gmsh.write(str(OUT / "gripper.msh"))
 
 
+def seal_ring():
+    """Section of an O-ring of 5.33 mm: the fluid comes from the left, the right has to stay dry."""
+    wet, dry = math.radians(55), math.radians(60)
+    arcs = [math.pi - wet, math.pi + wet, 2 * math.pi - dry, dry]
+    (curves,) = ring((27.665, 0), [2.665], 0.22 * FACTOR, arcs)
+    surface = PLANE.addPlaneSurface([PLANE.addCurveLoop(curves)])
+    write("seal-ring", surface, {"inside": curves[:1], "outside": curves[2:3], "skin": curves}, order=2)
+
+
+def lip_seal():
+    """Section of a lip that is held in a case of 22 mm radius: oil below it, air above."""
+    places = [(22, 0), (22, 7), (20, 7), (20, 2.2), (18.6, 2.6), (16.4, 5.2), (15.48, 5.93), (14.83, 5.57), (15.4, 4.4), (17.6, 0)]
+    sizes = [0.8, 0.8, 0.8, 0.6, 0.4, 0.25, 0.05, 0.04, 0.15, 0.6]
+    ends = [PLANE.addPoint(x, y, 0, size * FACTOR) for (x, y), size in zip(places, sizes)]
+    edge = PLANE.addPoint(15.2, 5.6, 0, 0.05)
+    curves = [PLANE.addLine(a, b) for a, b in zip(ends[:6], ends[1:7])]
+    curves += [PLANE.addCircleArc(ends[6], edge, ends[7])]
+    curves += [PLANE.addLine(a, b) for a, b in zip(ends[7:], ends[8:] + ends[:1])]
+    surface = PLANE.addPlaneSurface([PLANE.addCurveLoop(curves)])
+    groups = {"case": curves[0:3], "air": curves[3:5], "lip": curves[5:8], "oil": curves[8:9]}
+    write("lip-seal", surface, groups, order=2)
+
+
+def syringe():
+    """Section of a stopper with two round ribs: the drug above it, the plunger below."""
+    at = lambda x, y, size: PLANE.addPoint(x, y, 0, size * FACTOR)
+    places = [(0, 0, 0.5), (6.0, 0, 0.4), (6.6, 0.4, 0.3), (6.6, 0.8, 0.15), (6.6, 2.4, 0.15), (6.6, 5.6, 0.15), (6.6, 7.2, 0.15),
+              (6.6, 7.6, 0.3), (6.0, 8, 0.4), (0, 9.5, 0.5)]
+    ends = [at(*place) for place in places]
+    tops = [at(7.6, 1.6, 0.08), at(7.6, 6.4, 0.08)]
+    middles = [at(6.8, 1.6, 1.0), at(6.8, 6.4, 1.0)]
+    feet = [[at(6.8, y, 0.12) for y in ys] for ys in ((0.8, 2.4), (5.6, 7.2))]
+    curves = [PLANE.addLine(ends[0], ends[1]), PLANE.addLine(ends[1], ends[2]), PLANE.addLine(ends[2], ends[3])]
+    for (low, high), foot, top, middle, after in zip((ends[3:5], ends[5:7]), feet, tops, middles, (ends[5], ends[7])):
+        curves += [PLANE.addLine(low, foot[0]), PLANE.addCircleArc(foot[0], middle, top), PLANE.addCircleArc(top, middle, foot[1]),
+                   PLANE.addLine(foot[1], high), PLANE.addLine(high, after)]
+    curves += [PLANE.addLine(a, b) for a, b in zip(ends[7:], ends[8:] + ends[:1])]
+    surface = PLANE.addPlaneSurface([PLANE.addCurveLoop(curves)])
+    groups = {"plunger": curves[:1], "foot": curves[1:2], "barrel": curves[2:13], "head": curves[13:15], "axis": curves[-1:]}
+    write("syringe", surface, groups, order=2)
+
+
+def kiss_seal():
+    """Section of a seal of 4 mm that hangs from a clip and bends along a quarter circle to the plate it kisses."""
+    middle = PLANE.addPoint(0, 0, 0, 0.8)
+    at = lambda radius, angle, size: PLANE.addPoint(radius * math.cos(angle), radius * math.sin(angle), 0, size * FACTOR)
+    outer = [at(20, math.pi, 1.0), at(20, 1.3 * math.pi, 0.5), at(20, 1.55 * math.pi, 0.4)]
+    inner = [at(16, 1.55 * math.pi, 0.5), at(16, math.pi, 1.0)]
+    clip = points([(-16, 12), (-20, 12)], 1.0 * FACTOR)
+    curves = [PLANE.addCircleArc(outer[0], middle, outer[1]), PLANE.addCircleArc(outer[1], middle, outer[2]),
+              PLANE.addLine(outer[2], inner[0]), PLANE.addCircleArc(inner[0], middle, inner[1]), PLANE.addLine(inner[1], clip[0]),
+              PLANE.addLine(clip[0], clip[1]), PLANE.addLine(clip[1], outer[0])]
+    surface = PLANE.addPlaneSurface([PLANE.addCurveLoop(curves)])
+    groups = {"clip": curves[5:6], "bay": curves[3:5], "tip": curves[1:3], "duct": [curves[0], curves[6]]}
+    write("kiss-seal", surface, groups, order=2)
+
+
 def egg():
     """Surface of an egg lying along x, 20 mm long and 14 mm thick, its top at the origin: 1,440 facets."""
     rows, around = 18, 40
@@ -171,7 +230,7 @@ def egg():
 
 
 egg()
-for make in (o_ring, bush, lip, stopper, finger, tyre, belt, gripper):
+for make in (o_ring, bush, lip, stopper, finger, tyre, belt, gripper, seal_ring, lip_seal, syringe, kiss_seal):
     gmsh.initialize(["-v", "2"])
     make()
     gmsh.finalize()
