@@ -16,6 +16,7 @@ import contextlib
 import itertools
 import json
 import math
+import os
 import pathlib
 import re
 import shutil
@@ -44,6 +45,9 @@ solver_slots = 2
 threads_per_slot = 1
 maximum_sessions = 6
 memory_budget_bytes = 46_000_000
+data = "{folder}/data"
+tls_certificate = "{folder}/certificates/server.pem"
+tls_key = "{folder}/certificates/server.key"
 """
 
 # Nothing can change the volume of a body that is held all around: fails in a moment.
@@ -104,15 +108,26 @@ def running(command, log):
 
 
 def start_server(program, folder, stack):
-    """Starts the server; returns the addresses of service and metrics page."""
+    """Starts the server, with a session that an earlier life of it has left; returns the addresses
+    of service and metrics page and the name of the session."""
     service, page = free_port(), free_port()
-    settings = folder / "server.toml"
-    settings.write_text(SETTINGS)
+    settings, url = folder / "server.toml", f"https://127.0.0.1:{service}"
+    settings.write_text(SETTINGS.format(folder=folder))
+    subprocess.run([program, "certs", "init", folder / "certificates"], check=True, capture_output=True)
+    # Every command that is started here finds it.
+    os.environ["SIGNORINI_CA"] = str(folder / "certificates" / "ca.pem")
     command = [program, "serve", "--config", settings, "--listen", f"127.0.0.1:{service}"]
     command += ["--metrics-listen", f"127.0.0.1:{page}"]
+    with running(command, folder / "first.log"):
+        wait_for(f"http://127.0.0.1:{page}/healthz")
+        scene = EXAMPLES / "hertz-plane.toml"
+        solve = [program, "solve", scene, "--detach", "--server", url]
+        told = subprocess.run(solve, check=True, capture_output=True, text=True)
+        name = told.stdout.split()[-1]
+        subprocess.run([program, "watch", name, "--server", url], check=True, capture_output=True)
     stack.enter_context(running(command, folder / "server.log"))
     wait_for(f"http://127.0.0.1:{page}/healthz")
-    return f"http://127.0.0.1:{service}", f"127.0.0.1:{page}"
+    return url, f"127.0.0.1:{page}", name
 
 
 def knows_fleets(program):
@@ -279,7 +294,15 @@ class Load:
             for one in all_at_once:
                 one.join()
 
-    def run(self, seconds, others):
+    def wake(self, name):
+        """A session comes back from the data folder, and goes."""
+        self.stop.wait(10.0)
+        self.call("session", "show", name)
+        # Until its steps are made again.
+        self.stop.wait(3.0)
+        self.call("session", "delete", name)
+
+    def run(self, seconds, name, others):
         scenes = ["hertz-plane.toml", "mr-uniax.toml", "cook.toml", "cube-bend.toml"]
         out = ["--out", self.folder / "out"]
         threads = [
@@ -288,6 +311,7 @@ class Load:
             threading.Thread(target=self.fail),
             threading.Thread(target=self.cancel),
             threading.Thread(target=self.crowd),
+            threading.Thread(target=self.wake, args=(name,)),
             *(others.threads() if others else []),
         ]
         for thread in threads:
@@ -391,7 +415,7 @@ def main():
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as stack:
         folder, program = pathlib.Path(name), str(arguments.program.resolve())
-        server, page = start_server(program, folder, stack)
+        server, page, old = start_server(program, folder, stack)
         others = FleetLoad(program, folder, stack) if knows_fleets(program) else None
         dashboards = [one for one in DASHBOARDS if others or one.stem not in OF_FLEETS]
         if not others:
@@ -399,7 +423,7 @@ def main():
         asked_url = start_prometheus([page, *(others.pages if others else [])], folder, stack)
         start = time.time()
         load = Load(program, server, folder)
-        load.run(arguments.seconds, others)
+        load.run(arguments.seconds, old, others)
         # One more look after the last result, and the rules once more.
         time.sleep(4.0)
         asked = Asked(asked_url, start, time.time())

@@ -36,11 +36,13 @@ fn main() -> Outcome<()> {
 }
 
 /// Messages that become JSON as they are.
-const SERIALISED: [&str; 19] = [
+const SERIALISED: [&str; 21] = [
     "Attempt",
     "CauseSite",
     "ContactInterval",
+    "FluidResult",
     "IterationReport",
+    "LeakPath",
     "ManufacturedErrors",
     "ObstaclePose",
     "ObstacleResult",
@@ -59,13 +61,15 @@ const SERIALISED: [&str; 19] = [
 ];
 
 /// Fields that JSON spells otherwise than the wire; see `src/serialised.rs`.
-const SPELLED: [(&str, &str); 12] = [
+const SPELLED: [(&str, &str); 14] = [
     ("Attempt.strategy", "strategy"),
     ("Attempt.cause", "cause"),
     ("Attempt.followed_by", "strategy"),
     ("StepReport.termination", "termination"),
     ("StepReport.cause", "cause"),
     ("StepReport.stability", "stability"),
+    ("FluidResult.tightness", "tightness"),
+    ("LeakPath.points", "vectors"),
     ("StepReport.seconds", "or_default"),
     ("StepReport.unknowns", "or_default"),
     ("StepReport.obstacle_poses", "poses"),
@@ -88,6 +92,10 @@ fn serialised(mut builder: Builder) -> Builder {
         .field_attribute(
             "signorini.v1.StepReport.obstacle_poses",
             "#[serde(rename = \"poses\")]",
+        )
+        .field_attribute(
+            "signorini.v1.StepReport.fluids",
+            "#[serde(skip_serializing_if = \"std::collections::BTreeMap::is_empty\")]",
         )
 }
 

@@ -22,10 +22,12 @@
 //! |---|---|
 //! | ground | [`report`] words of all reports; `constants` those of the solver's decisions, listed; [`parallel`] loops over pieces; [`linalg`] vectors, sparse and dense factors, the only door to faer; [`geometry`] points, tensors, rigid motions |
 //! | numbers wing | [`precond`] p-multigrid, P1 solvers, Schur metrics; [`krylov`] CG and GCR; [`saddle`] multiplier blocks and their admissible sets; [`inequality`] methods for blocks whose sets are not free |
-//! | mechanics wing | [`mesh`]; [`element`] rules and analytic fields; [`space`] numbering and interpolation; [`material`]; [`obstacle`]; [`assembly`] operators, masses, loads; [`contact`] gaps, guides and resultants; [`proximity`] how near a tool is to faces, cells and on its path |
+//! | mechanics wing | [`mesh`]; [`element`] rules and analytic fields; [`space`] numbering and interpolation; [`material`]; [`obstacle`]; [`assembly`] operators, masses, loads; [`contact`] gaps, guides and resultants; [`fluid`] what fluids reach of a surface, and the path of the first leak; [`proximity`] how near a tool is to faces, cells and on its path; [`pairs`] gaps between two surfaces of the body |
 //! | the problem | [`scene`] as data, its choices enums; [`plan`] resolved items, decisions with reasons; [`prepare`] what is expensive and shared |
 //! | the solver | `model` the body at a state, its residuals and tangent; `sqp` equilibrium under one drive: programs, search, what is learnt; `force_control` poses from forces; `stability`; `diagnosis` causes and where they lie; `continuation` the load path, and what follows a failure; [`session`] states that steps move |
-//! | the answer | `results` reports, fields, error estimates; `verify` the same residuals by an independent path |
+//! | the answer | `results` reports, fields, error estimates; `goals` functionals of a converged state, their dual solutions and derivatives; `verify` the same residuals by an independent path |
+//! | laws from tests | [`calibration`] constants of a law from test curves |
+//! | finer meshes | [`refinement`] bisection of marked cells, and fields and states on what follows |
 //! | beside it | [`comparisons`] methods that a caller brings along: those that the solver is compared with are the crate `signorini-compare` |
 //!
 //! The wings never import each other, and no two files import each other in a circle;
@@ -53,10 +55,10 @@
 //! | how long parts may be so that no tool passes | `src/continuation/longest_part.rs` |
 //! | the law of friction: radius, projection, status | `src/saddle/set/cones.rs`; slip: `src/model/friction.rs` |
 //! | a wire message as a step, a step as the drive at its end | `server/src/convert/step.rs`, `src/session/mod.rs`, `src/model/drive.rs` |
-//! | a tool that begins inside the body | before: `src/plan/overlap.rs`, `src/plan/doubts.rs`; pushed out: `src/continuation/initial_penetration.rs` |
+//! | a tool that begins inside the body | before: `src/plan/overlap.rs`, `src/plan/behind.rs`, `src/plan/doubts.rs`; pushed out: `src/continuation/initial_penetration.rs` |
 //! | a tool that has passed, or lies inside | `src/results/passage.rs`, `src/results/warnings.rs`, by distances of `src/proximity/mod.rs` |
 //! | a new obstacle shape | `src/obstacle/shape.rs`, `src/plan/reach.rs`, `src/session/checkpoint/scene_digest.rs`, `proto/signorini/v1/scene.proto`, `server/src/convert/shape.rs`, `client/src/scene_file/shape.rs`, `client/python/signorini/scene.py` |
-//! | a new law of rubber | a function of the invariants: a file beside `src/material/gent.rs`, `src/material/potential.rs`; another: `src/material/rubber.rs`; both: `src/scene/material.rs`, `src/scene/validate/rubber.rs`, `src/session/checkpoint/scene_digest.rs`, `src/verify/rubber.rs`, `proto/signorini/v1/scene.proto`, `server/src/convert/material.rs`, `client/src/scene_file/body.rs`, `client/python/signorini/scene.py` |
+//! | a new law of rubber | a function of the invariants: a file beside `src/material/gent.rs`, `src/material/potential.rs`; of the stretches: one beside `src/material/hyperfoam.rs`, `src/material/rubber.rs`; both: `src/scene/material.rs`, `src/scene/validate/rubber.rs`, `src/session/checkpoint/scene_digest.rs`, `src/verify/rubber.rs`, `proto/signorini/v1/scene.proto`, `server/src/convert/material.rs`, `client/src/scene_file/material.rs`, `client/python/signorini/scene.py` |
 //!
 //! # Notation
 //!
@@ -99,10 +101,13 @@
 //! | continuation, extrapolation along the load | `Trend` | `sqp::trend` |
 //! | counterpart: what a face meets, master surface | `Counterpart`, `Obstacle` | `contact::counterpart`, `obstacle` |
 //! | cut-back, adaptive load stepping | `Parts`, `Checkpoint` | `continuation::parts`, `continuation::checkpoint` |
+//! | dual solution, adjoint; sensitivities, goal-oriented error | `solve_dual`; `goals` | `sqp::program::dual`, `goals` |
 //! | edge, width and intervals of contact | `portions`, `stretches`, `ContactInterval` | `contact::edge`, `contact::stretches` |
 //! | estimate of the discretisation error by recovery | `estimate` | `results::estimate` |
 //! | factor of the body, Schur complement on contact | `FactoredBody`, `NearCompliance` | `sqp::factored_body`, `sqp::near_compliance` |
 //! | face of the feasible polyhedron | `Face` | `inequality::one_level` |
+//! | fluid penetration, wetted front, leak path | `FluidSurface`, `Front`, `Barrier` | `fluid` |
+//! | blow-off pressure | `LeakBracket` | `continuation::leak_bracket` |
 //! | force control, prescribed forces on an obstacle or a support | `Balance` | `force_control` |
 //! | forcing term of an inexact Newton method | `goal` | `sqp::increment` |
 //! | inertia, modified Newton step of an unstable body | `Turned` | `inequality::factorised::turned` |
@@ -112,6 +117,7 @@
 //! | load path, what follows a failed part | `LoadPath`, `after` | `continuation`, `continuation::strategy` |
 //! | load factor, poses, prescribed motion | `Drive` | `model::drive` |
 //! | lowest mode, softest motion of the tangent | `LowestMode` | `sqp::lowest_mode` |
+//! | mesh refinement, newest vertex bisection, conforming closure | `Hierarchy`, `Lineage` | `refinement` |
 //! | multiplier space: hats, quadratic Bernstein functions | `ContactBasis` | `contact::basis` |
 //! | preconditioner refresh | `PreconditionerRefresh` | `sqp::preconditioner_refresh` |
 //! | quadratic program of an SQP iteration | `QuadraticProgram` | `sqp::program` |
@@ -202,18 +208,26 @@
 #![doc = include_str!("decisions/0061-loops-compiled-once.md")]
 #![doc = include_str!("decisions/0062-laws-by-point.md")]
 #![doc = include_str!("decisions/0063-loaded-supports.md")]
+#![doc = include_str!("decisions/0064-sheets-and-rings.md")]
+#![doc = include_str!("decisions/0065-fluids-by-a-weight.md")]
+#![doc = include_str!("decisions/0066-goals-by-one-dual-solution.md")]
+#![doc = include_str!("decisions/0067-gaps-by-volume.md")]
+#![doc = include_str!("decisions/0069-nested-bisection.md")]
 
 #[macro_use]
 mod constants;
 
 pub mod assembly;
+pub mod calibration;
 pub mod comparisons;
 pub mod contact;
 mod continuation;
 mod diagnosis;
 pub mod element;
+pub mod fluid;
 mod force_control;
 pub mod geometry;
+mod goals;
 pub mod inequality;
 pub mod krylov;
 pub mod linalg;
@@ -221,11 +235,13 @@ pub mod material;
 pub mod mesh;
 mod model;
 pub mod obstacle;
+pub mod pairs;
 pub mod parallel;
 pub mod plan;
 pub mod precond;
 pub mod prepare;
 pub mod proximity;
+pub mod refinement;
 pub mod report;
 mod results;
 pub mod saddle;
@@ -238,15 +254,18 @@ mod verify;
 
 pub use comparisons::Comparisons;
 pub use constants::Constant;
+pub use goals::GoalError;
 pub use mesh::{CellKind, EdgeOffset, Group, GroupKind, Mesh, MeshError, MeshId, MeshParts};
-pub use plan::{LeftOut, Plan, PlanEntry, PlanReport, PreparedKey};
+pub use plan::{LaterBytes, LeftOut, Plan, PlanEntry, PlanReport, PreparedKey};
 pub use prepare::{PrepareError, Prepared};
 pub use report::{
     CancelToken, Cause, FieldData, FieldName, IterationRecord, Observer, Residuals, Silent,
     StepReport, Termination,
 };
 pub use scene::{Scene, SceneError, Step, Violation};
-pub use session::{CheckpointError, ObstaclePose, Origin, Reuse, Rounding, Session, StepRun};
+pub use session::{
+    CheckpointError, NotCarried, ObstaclePose, Origin, Reuse, Rounding, Session, Snapshot, StepRun,
+};
 
 /// The numeric constants of the rooms that search and decide, in the order of their files.
 pub fn constants() -> Vec<Constant> {

@@ -7,6 +7,8 @@
 mod attempt;
 mod ending;
 mod field;
+mod fluid;
+mod goal;
 mod warning;
 
 use std::collections::BTreeMap;
@@ -16,6 +18,8 @@ use std::sync::atomic::{AtomicU8, Ordering};
 pub use attempt::{Attempt, Strategy};
 pub use ending::{Cause, CauseSite, Snapped, Stability, Termination};
 pub use field::{FieldData, FieldName};
+pub use fluid::{FluidResult, LeakPathResult, Tightness};
+pub use goal::{GoalBound, GoalReport};
 pub use warning::{Warning, WarningKind};
 
 /// The four convergence criteria, each relative to its load or first
@@ -255,7 +259,7 @@ pub struct StepReport {
     pub termination: Termination,
     /// Why the increment did not converge; none when it did.
     pub cause: Option<Cause>,
-    /// Where the cause lies; none when the increment converged, or nothing is known.
+    /// Where the cause lies, or a fluid is about to leak; none when neither is, or nothing is known.
     pub cause_site: Option<CauseSite>,
     /// The snap-through from a lost equilibrium to the next minimum; none where every
     /// equilibrium was followed.
@@ -318,6 +322,12 @@ pub struct StepReport {
     pub obstacles: BTreeMap<String, ObstacleResult>,
     /// Reaction of each support, by its name.
     pub supports: BTreeMap<String, SupportResult>,
+    /// What each fluid does to the body, by its name.
+    pub fluids: BTreeMap<String, FluidResult>,
+    /// Goals of the scene; empty where it has none or there is no answer.
+    pub goals: Vec<GoalReport>,
+    /// Why goals have no answer; none where they have, or there are none.
+    pub goals_refused: Option<String>,
     /// Values at each probe, by its name.
     pub probes: BTreeMap<String, ProbeResult>,
     /// Estimate of the discretisation error: energy norm of u_h − u over that of
@@ -341,6 +351,17 @@ pub struct StepReport {
     pub left_out: Vec<&'static str>,
     /// Residuals recomputed by the independent assembled path, when asked for.
     pub verification: Option<Residuals>,
+}
+
+impl StepReport {
+    /// Whether no further increment follows in a step of that many: all are done, this one has
+    /// failed, or a fluid is about to leak.
+    pub fn ends_step(&self, increments: u32) -> bool {
+        let mut fluids = self.fluids.values();
+        self.increment >= increments
+            || self.termination != Termination::Converged
+            || fluids.any(|fluid| fluid.tightness == Tightness::Leaks)
+    }
 }
 
 /// Receives reports while a step runs. Must be quick and must not block.

@@ -326,6 +326,33 @@ fn a_session_that_goes_back_does_the_same_steps_with_the_same_bits() {
 }
 
 #[test]
+fn a_copy_changes_no_bit_and_is_gone_back_to_with_the_same_bits() {
+    for (name, story) in STORIES {
+        let story = story();
+        let (mut session, run) = story.first_half();
+        let undisturbed = story.second_half(&mut session, run);
+        let (mut session, run) = story.first_half();
+        let copy = session.snapshot();
+        session.to_bytes();
+        assert!(copy.bytes() > 0);
+        let copied = story.second_half(&mut session, run);
+        assert!(copied == undisturbed, "{name}: a copy changes bits");
+        for _ in 0..2 {
+            session.go_back(&copy);
+            let run = session.resume_step(story.under_way.increments, story.done);
+            let again = story.second_half(&mut session, run.expect("a step under way"));
+            assert!(again == undisturbed, "{name}: gone back");
+        }
+    }
+}
+
+#[test]
+fn the_bytes_of_a_session_at_rest_follow_from_its_plan() {
+    let (ground, _, _) = pressed();
+    assert_eq!(Session::at_rest(&ground.plan), ground.session().to_bytes());
+}
+
+#[test]
 fn bytes_that_are_refused_leave_a_session_as_it_was() {
     let (_, _, mut session) = pressed();
     let before = session.export();

@@ -31,8 +31,6 @@ mod terminal;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use clap::Parser as _;
-
 use arguments::Arguments;
 
 /// A server of this process holds large buffers.
@@ -42,7 +40,7 @@ static MEMORY: signorini_server::LargePages = signorini_server::LargePages;
 
 fn main() -> ExitCode {
     let started = Instant::now();
-    let arguments = Arguments::parse();
+    let arguments = Arguments::of_process();
     let outcome = commands::run(arguments, started);
     outcome.unwrap_or_else(|failure| failure.report()).into()
 }

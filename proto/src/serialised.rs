@@ -1,6 +1,6 @@
 //! How reports and plans become JSON: key by key in the order of the `.proto`
 //! file, enum values as their [`words`], poses by the names of their obstacles,
-//! seconds and unknowns as zeros where a message lacks them.
+//! points as vectors, seconds and unknowns as zeros where a message lacks them.
 //!
 //! `build.rs` names these functions in the attributes of the generated messages.
 
@@ -32,6 +32,12 @@ pub(crate) fn stability<S: Serializer>(number: &i32, serializer: S) -> Result<S:
     words::stability(value).serialize(serializer)
 }
 
+/// Writes the word of a tightness.
+pub(crate) fn tightness<S: Serializer>(number: &i32, serializer: S) -> Result<S::Ok, S::Error> {
+    let value = v1::Tightness::try_from(*number).unwrap_or_default();
+    words::tightness(value).serialize(serializer)
+}
+
 /// Writes the word of a kind of scene.
 pub(crate) fn scene_kind<S: Serializer>(number: &i32, serializer: S) -> Result<S::Ok, S::Error> {
     let value = v1::SceneKind::try_from(*number).unwrap_or_default();
@@ -50,6 +56,11 @@ pub(crate) fn or_default<T: Serialize + Copy + Default, S: Serializer>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     message.unwrap_or_default().serialize(serializer)
+}
+
+/// Writes numbers as vectors of three.
+pub(crate) fn vectors<S: Serializer>(numbers: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(numbers.as_chunks::<3>().0)
 }
 
 /// Writes poses by the names of their obstacles.

@@ -33,6 +33,11 @@ pub fn stability(stability: v1::Stability) -> Option<String> {
     known.then(|| word(stability.as_str_name(), "STABILITY_"))
 }
 
+/// The word of a tightness, such as `leaks`.
+pub fn tightness(tightness: v1::Tightness) -> String {
+    word(tightness.as_str_name(), "TIGHTNESS_")
+}
+
 /// The word of a field, such as `contact_pressure`.
 pub fn field(field: v1::FieldName) -> String {
     word(field.as_str_name(), "FIELD_NAME_")

@@ -63,17 +63,21 @@ mod watch;
 pub use config::{Compared, Config, ConfigError, Flags, LogFormat, LogLevel, Settings};
 pub use data::control::{BackupError, backup, restore};
 pub use data::fsck::{Fsck, fsck};
-pub use door::access::{AccessError, Entry, NewToken, Role, TokenFile};
+pub use door::access::{
+    AccessError, CertificateEnd, Entry, NewToken, Role, TokenFile, certificate_ends,
+    certificate_names,
+};
 pub use door::client_name::{ClientName, ClientNameError};
 pub use door::listen::{ListenError, Listener};
 #[cfg(feature = "fleet")]
 pub use fleet::{Held, HeldError, held, nats_addresses};
+pub use journal::Copying;
 pub use journal::JournalError;
 pub use process::hangup::Hangups;
 pub use process::large_pages::LargePages;
 pub use process::memory::return_freed_memory;
-pub use serve::{ServeError, check, serve, serve_and_tell};
+pub use serve::{ServeError, check, doubts, serve, serve_and_tell};
 pub use watch::doctor::{Doctor, Finding, Health, doctor};
-pub use watch::log::{LogSwitch, follow_log_level, start_log};
+pub use watch::log::{LogSwitch, follow_log_level, is_unprintable, start_log};
 #[cfg(feature = "fleet")]
 pub use watch::page::serve_metrics;

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use common::{Block, Process, Server, Stream, folder, open, press, reason};
 use signorini_proto::v1::{self as wire, solve_response::Message};
-use signorini_server::{Config, JournalError, backup, fsck, restore};
+use signorini_server::{Config, Copying, JournalError, backup, fsck, restore};
 use tokio::sync::{Mutex, MutexGuard};
 use tonic::Code;
 
@@ -403,7 +403,7 @@ async fn a_backup_of_a_running_server_is_a_data_folder() {
     tokio::time::sleep(Duration::from_millis(50)).await;
     let (data, copy) = (tests.join("data"), tests.join("copy"));
     let from = data.clone();
-    let made = tokio::task::spawn_blocking(move || backup(&from, &copy)).await;
+    let made = tokio::task::spawn_blocking(move || backup(&from, &copy, Copying::Bytes)).await;
     made.unwrap().unwrap();
     let after = force(&server, &session, 3).await;
     stop(server).await;
@@ -420,6 +420,6 @@ async fn a_backup_of_a_running_server_is_a_data_folder() {
         assert_eq!(open_to_others(&tests.join(made)), Vec::<PathBuf>::new());
     }
     // And of one that has stopped.
-    backup(&data, &tests.join("later")).unwrap();
+    backup(&data, &tests.join("later"), Copying::Links).unwrap();
     assert_eq!(fsck(&tests.join("later")).unwrap().results, 3);
 }

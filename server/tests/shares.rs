@@ -147,3 +147,83 @@ async fn a_step_ends_with_its_last_good_state_when_it_had_a_slot_as_long_as_any_
     let series = "signorini_failures_total{cause=\"server_time_limit\"}";
     assert_eq!(sample(&page, series), 1);
 }
+
+/// Sends a long update on a connection that leaves then; whether it was accepted.
+async fn abandon(server: &Server, name: &str) -> bool {
+    let own = Server::beside(&server.url).await;
+    let mut stream = own.open(open(name)).await;
+    stream.step(1, press(0.04, 1000)).await;
+    loop {
+        if own.describe(name).await.last_accepted_sequence == 1 {
+            return true;
+        }
+        let wait = Duration::from_millis(20);
+        if let Ok(rejected) = tokio::time::timeout(wait, stream.rejection()).await {
+            assert_eq!(rejected.sequence, 1);
+            return false;
+        }
+    }
+}
+
+/// Sessions of one connection, before anything runs.
+async fn sessions(server: &Server, block: &Block, count: usize) -> Vec<String> {
+    server.upload(block).await;
+    let mut names = Vec::new();
+    for _ in 0..count {
+        names.push(server.session(block.scene()).await);
+    }
+    names
+}
+
+#[tokio::test]
+#[allow(clippy::await_holding_lock, reason = "one test at a time")]
+async fn what_waits_is_counted_by_client_over_all_its_connections() {
+    let _alone = alone();
+    let few = Config {
+        solver_slots: 1,
+        maximum_queued: 4,
+        ..config()
+    };
+    let (server, block) = (Server::with(few).await, Block::new(2));
+    let names = sessions(&server, &block, 12).await;
+    let _slow = Slow::new(100);
+    let mut accepted = 0;
+    for name in &names {
+        accepted += u32::from(abandon(&server, name).await);
+    }
+    // One has the slot or gives it back just now, four wait.
+    assert!((4..=6).contains(&accepted), "{accepted}");
+}
+
+#[tokio::test]
+#[allow(clippy::await_holding_lock, reason = "one test at a time")]
+async fn work_that_nobody_waits_for_has_one_share_beside_those_who_wait() {
+    let _alone = alone();
+    let one = Config {
+        solver_slots: 1,
+        ..config()
+    };
+    let (server, block) = (Server::with(one).await, Block::new(2));
+    let names = sessions(&server, &block, 12).await;
+    let _slow = Slow::new(20);
+    for name in &names {
+        assert!(abandon(&server, name).await);
+    }
+    let (_own, mut stream) = session(&server, &block).await;
+    stream.press(1, 0.01).await;
+    stream.result().await;
+    let iterations = async || {
+        let page = page(server.metrics_url.as_ref().unwrap()).await;
+        sample(&page, "signorini_iterations_total")
+    };
+    let before = iterations().await;
+    let mut own = 0;
+    for sequence in 2..5 {
+        stream.press(sequence, 0.01 * sequence as f64).await;
+        let report = stream.result().await.report.unwrap();
+        own += u64::try_from(report.krylov_iterations).unwrap();
+    }
+    let all = iterations().await - before;
+    // Half and half; a thirteenth with a share for each that is left behind.
+    assert!(3 * own >= all, "{own} of {all}");
+}

@@ -17,6 +17,8 @@ pub struct CellGeometry {
     pub volumes: Vec<f64>,
     /// Mean radius `[cells]`; empty where the body is not one of revolution.
     pub radii: Vec<f64>,
+    /// Radius of each vertex `[cells * vertices]`; empty where the body is not one of revolution.
+    pub corner_radii: Vec<f64>,
     /// Cells with curved edges.
     pub curves: CellCurves,
 }
@@ -94,6 +96,7 @@ impl CellGeometry {
             gradients: Vec::with_capacity(mesh.cells().len()),
             volumes: Vec::with_capacity(cells.len()),
             radii: Vec::new(),
+            corner_radii: Vec::new(),
             curves: CellCurves::default(),
         };
         for cell in cells {
@@ -116,13 +119,11 @@ impl CellGeometry {
     pub fn about_axis(mesh: &Mesh, scale: f64) -> Self {
         let mut geometry = Self::new(mesh, scale);
         let cells = mesh.cells().chunks_exact(geometry.vertices);
-        let radius = |cell: &[u32]| {
-            let radii = cell
-                .iter()
-                .map(|&v| scale * mesh.coordinates()[v as usize][0]);
-            radii.sum::<f64>() / cell.len() as f64
-        };
-        geometry.radii = cells.map(radius).collect();
+        let radius_of = |v: &u32| scale * mesh.coordinates()[*v as usize][0];
+        let mean = |cell: &[u32]| cell.iter().map(radius_of).sum::<f64>() / cell.len() as f64;
+        geometry.radii = cells.map(mean).collect();
+        let corners = mesh.cells().iter();
+        geometry.corner_radii = corners.map(|v| radius_of(v).max(0.0)).collect();
         for (volume, radius) in geometry.volumes.iter_mut().zip(&geometry.radii) {
             *volume *= TAU * radius;
         }
@@ -143,7 +144,8 @@ impl CellGeometry {
     pub fn bytes(&self) -> u64 {
         let curves =
             4 * self.curves.places.len() + self.curves.curved.len() * size_of::<CurvedCell>();
-        (24 * self.gradients.len() + 8 * (self.volumes.len() + self.radii.len()) + curves) as u64
+        let radii = self.radii.len() + self.corner_radii.len();
+        (24 * self.gradients.len() + 8 * (self.volumes.len() + radii) + curves) as u64
     }
 }
 

@@ -21,7 +21,7 @@ use std::f64::consts::TAU;
 
 use super::load::shape_values;
 use crate::element::quadrature::{Simplex, rule};
-use crate::geometry::vector3::{cross, scale};
+use crate::geometry::vector3::{cross, norm, scale};
 use crate::linalg::{SparseRows, SparseRowsBuilder};
 use crate::mesh::CurvedFacet;
 use crate::mesh::Mesh;
@@ -87,7 +87,7 @@ pub struct PressedBody<'a> {
     pub space: &'a TaylorHood,
     /// What areas stand for.
     pub measure: SurfaceMeasure,
-    /// Hierarchical displacement `[unknowns]`.
+    /// Hierarchical displacement `[unknowns]`; none where pressures act on the undeformed body.
     pub displacement: &'a [f64],
 }
 
@@ -97,29 +97,102 @@ pub struct FollowerPressure<'a> {
     /// Facets, by number.
     pub facets: &'a [u32],
     /// p, with the load factor.
-    pub pressure: f64,
+    pub pressure: PressureValues<'a>,
+}
+
+/// How a pressure varies over its facets.
+#[derive(Clone, Copy, Debug)]
+pub enum PressureValues<'a> {
+    /// The same everywhere.
+    Uniform(f64),
+    /// Coefficients of the quadratic Bernstein functions of the displacement's nodes `[nodes]`:
+    /// L_v^2 of a vertex, 2 L_a L_b of an edge.
+    Nodes(&'a [f64]),
+}
+
+impl PressureValues<'_> {
+    /// Degree of the variation.
+    fn degree(self) -> u32 {
+        match self {
+            Self::Uniform(_) => 0,
+            Self::Nodes(_) => 2,
+        }
+    }
+
+    /// On the face with these nodes.
+    fn on(self, nodes: &[u32]) -> FacePressure {
+        match self {
+            Self::Uniform(pressure) => FacePressure::Uniform(pressure),
+            Self::Nodes(all) => {
+                let mut own = [0.0; NODES];
+                for (value, &node) in own.iter_mut().zip(nodes) {
+                    *value = all[node as usize];
+                }
+                FacePressure::Nodes(own)
+            }
+        }
+    }
+}
+
+/// Pressure on one face.
+enum FacePressure {
+    Uniform(f64),
+    /// Bernstein coefficients of its nodes.
+    Nodes([f64; NODES]),
+}
+
+impl FacePressure {
+    fn at(&self, point: &FacePoint) -> f64 {
+        match self {
+            Self::Uniform(pressure) => *pressure,
+            Self::Nodes(own) => {
+                let parts = own.iter().zip(&point.bernstein);
+                parts.map(|(value, shape)| value * shape).sum()
+            }
+        }
+    }
+
+    fn is_zero(&self) -> bool {
+        match self {
+            Self::Uniform(_) => false,
+            Self::Nodes(own) => own.iter().all(|&value| value == 0.0),
+        }
+    }
 }
 
 /// Shape functions of a face at a point of the rule.
 struct FacePoint {
     weight: f64,
     values: Vec<f64>,
+    /// Quadratic Bernstein functions.
+    bernstein: Vec<f64>,
     /// Derivatives along s and t.
     slopes: Vec<[f64; 2]>,
 }
 
-/// The points of the rule for `measure`.
-fn face_points(measure: SurfaceMeasure) -> Vec<FacePoint> {
+/// The points of the rule for `pressures` over `measure`.
+fn face_points(measure: SurfaceMeasure, pressures: &[FollowerPressure<'_>]) -> Vec<FacePoint> {
     let simplex = measure.facet();
     let corners = simplex.vertices();
-    let rule = rule(simplex, measure.degree());
+    let varying = pressures.iter().map(|one| one.pressure.degree());
+    let rule = rule(simplex, measure.degree() + varying.max().unwrap_or(0));
     let points = rule.points.iter().zip(&rule.weights);
     let tabulated = points.map(|(point, &weight)| FacePoint {
         weight,
         values: shape_values(&point[..corners]),
+        bernstein: bernstein_values(&point[..corners]),
         slopes: shape_slopes(&point[..corners]),
     });
     tabulated.collect()
+}
+
+/// Quadratic Bernstein functions of corners, then edges, at barycentric coordinates.
+fn bernstein_values(l: &[f64]) -> Vec<f64> {
+    let mut values: Vec<f64> = l.iter().map(|l| l * l).collect();
+    for a in 0..l.len() {
+        values.extend((a + 1..l.len()).map(|b| 2.0 * l[a] * l[b]));
+    }
+    values
 }
 
 /// Of [`shape_values`] along s = l_1 and t = l_2.
@@ -143,7 +216,7 @@ struct Face {
     nodes: Vec<u32>,
     /// Hierarchical coefficients of X + u.
     place: [[f64; 3]; NODES],
-    pressure: f64,
+    pressure: FacePressure,
 }
 
 /// Entries (column, value) in the rows of a node, one row a direction.
@@ -156,7 +229,7 @@ struct Frame {
 }
 
 impl Face {
-    fn new(body: &PressedBody<'_>, facet: u32, pressure: f64) -> Self {
+    fn new(body: &PressedBody<'_>, facet: u32, pressure: PressureValues<'_>) -> Self {
         let corners = body.mesh.facet(facet as usize);
         let nodes = body.space.facet_nodes(corners);
         let mut place = [[0.0; 3]; NODES];
@@ -170,15 +243,16 @@ impl Face {
                 .for_each(|(row, o)| *row = o);
         }
         let c = body.space.components;
-        for (row, &node) in place.iter_mut().zip(&nodes) {
+        let is_moved = !body.displacement.is_empty();
+        for (row, &node) in place.iter_mut().zip(&nodes).filter(|_| is_moved) {
             let first = node as usize * c;
             let moved = &body.displacement[first..first + c];
             row.iter_mut().zip(moved).for_each(|(x, u)| *x += u);
         }
         Self {
+            pressure: pressure.on(&nodes),
             nodes,
             place,
-            pressure,
         }
     }
 
@@ -204,7 +278,7 @@ impl Face {
         let mut load = [[0.0; 3]; NODES];
         for point in points {
             let Frame { radius, along } = self.frame(measure, point);
-            let factor = -self.pressure * point.weight * measure.factor(radius);
+            let factor = -self.pressure.at(point) * point.weight * measure.factor(radius);
             let area = scale(factor, cross(along[0], along[1]));
             for (sum, value) in load.iter_mut().zip(&point.values) {
                 (0..3).for_each(|i| sum[i] += value * area[i]);
@@ -224,7 +298,7 @@ impl Face {
         let mut slopes = [[[0.0; 3]; 3]; NODES];
         for point in points {
             let Frame { radius, along } = self.frame(measure, point);
-            let weight = -self.pressure * point.weight * point.values[k];
+            let weight = -self.pressure.at(point) * point.weight * point.values[k];
             let factor = weight * measure.factor(radius);
             let area = cross(along[0], along[1]);
             let on_radius = scale(weight * measure.factor_slope(), area);
@@ -248,7 +322,7 @@ fn faces(body: &PressedBody<'_>, pressures: &[FollowerPressure<'_>]) -> Vec<Face
         let facets = one.facets.iter();
         facets.map(|&facet| Face::new(body, facet, one.pressure))
     });
-    faces.collect()
+    faces.filter(|face| !face.pressure.is_zero()).collect()
 }
 
 /// Adds the force of `pressures` to `force` `[unknowns]`.
@@ -257,7 +331,7 @@ pub fn add_follower_load(
     pressures: &[FollowerPressure<'_>],
     force: &mut [f64],
 ) {
-    let points = face_points(body.measure);
+    let points = face_points(body.measure, pressures);
     let c = body.space.components;
     for face in faces(body, pressures) {
         let load = face.load(body.measure, &points);
@@ -269,6 +343,20 @@ pub fn add_follower_load(
     }
 }
 
+/// Integral of `pressures` over the area on which they act, without direction.
+pub fn follower_sum(body: &PressedBody<'_>, pressures: &[FollowerPressure<'_>]) -> f64 {
+    let points = face_points(body.measure, pressures);
+    let mut sum = 0.0;
+    for face in faces(body, pressures) {
+        for point in &points {
+            let Frame { radius, along } = face.frame(body.measure, point);
+            let area = body.measure.factor(radius) * norm(cross(along[0], along[1]));
+            sum += face.pressure.at(point) * point.weight * area;
+        }
+    }
+    sum
+}
+
 /// Derivative of the force of `pressures` with respect to the displacement: what
 /// they take off the stiffness `[unknowns, unknowns]`, held rows and columns left
 /// out. Not symmetric where the surface has a free edge.
@@ -277,7 +365,7 @@ pub fn follower_tangent(
     pressures: &[FollowerPressure<'_>],
     held: &[bool],
 ) -> SparseRows {
-    let points = face_points(body.measure);
+    let points = face_points(body.measure, pressures);
     let faces = faces(body, pressures);
     let mut shares: Vec<(u32, u32, usize)> = Vec::new();
     for (face, number) in faces.iter().zip(0..) {

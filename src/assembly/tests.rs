@@ -47,8 +47,18 @@ impl Sample {
 
     /// The same on a mesh as it is.
     fn of(mesh: Mesh) -> Self {
-        let space = TaylorHood::new(&mesh);
         let geometry = CellGeometry::new(&mesh, SCALE);
+        Self::with(mesh, geometry)
+    }
+
+    /// The same as the section of a body of revolution.
+    fn about_axis(self) -> Self {
+        let geometry = CellGeometry::about_axis(&self.mesh, SCALE);
+        Self::with(self.mesh, geometry)
+    }
+
+    fn with(mesh: Mesh, geometry: CellGeometry) -> Self {
+        let space = TaylorHood::new(&mesh);
         let cells = 0..mesh.cell_count();
         let moduli = CellModuli {
             shear: cells.clone().map(|cell| 1.0 + (cell % 3) as f64).collect(),

@@ -31,6 +31,19 @@ pub struct ContactExtent {
     pub peak: Option<(f64, [f64; 3])>,
 }
 
+/// Coefficients of the pressure of active multipliers `[functions]`, and which faces it acts on
+/// `[faces]`.
+pub fn pressed(surface: &ContactSurface, at: Acting<'_>) -> (Vec<f64>, Vec<bool>) {
+    let pairs = at.pressure.iter().zip(at.active);
+    let own = pairs.map(|(pressure, &is_active)| if is_active { pressure.max(0.0) } else { 0.0 });
+    let own: Vec<f64> = own.collect();
+    let coefficients = surface.shares.spread(&own).into_owned();
+    let faces = surface.faces.iter();
+    let acts = |k: &u32| coefficients[*k as usize] > 0.0;
+    let pressed = faces.map(|face| face.functions.iter().any(acts)).collect();
+    (coefficients, pressed)
+}
+
 /// What the pressure of active multipliers covers on `surface`.
 pub fn extent<C: Counterpart + ?Sized>(
     body: &Deformed<'_>,
@@ -38,13 +51,7 @@ pub fn extent<C: Counterpart + ?Sized>(
     counterpart: &C,
     at: Acting<'_>,
 ) -> ContactExtent {
-    let pairs = at.pressure.iter().zip(at.active);
-    let own = pairs.map(|(pressure, &is_active)| if is_active { pressure.max(0.0) } else { 0.0 });
-    let own: Vec<f64> = own.collect();
-    let coefficients = surface.shares.spread(&own);
-    let faces = surface.faces.iter();
-    let acts = |k: &u32| coefficients[*k as usize] > 0.0;
-    let pressed: Vec<bool> = faces.map(|face| face.functions.iter().any(acts)).collect();
+    let (coefficients, pressed) = pressed(surface, at);
     if !pressed.contains(&true) {
         return ContactExtent::default();
     }

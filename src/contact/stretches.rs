@@ -29,13 +29,14 @@ pub(super) fn polygon([from, to]: [f64; 2]) -> [Point; 2] {
 }
 
 /// The order of faces along the surface, the body on the left.
-struct Order {
+pub(super) struct Order {
     /// The face after and before each `[2][faces]`, on the same smooth patch or not.
     beside: [Vec<Option<usize>>; 2],
 }
 
 impl Order {
-    fn of(surface: &ContactSurface) -> Self {
+    /// Of the faces of `surface`.
+    pub(super) fn of(surface: &ContactSurface) -> Self {
         let faces = || surface.faces.iter().enumerate();
         let starts: BTreeMap<u32, usize> =
             faces().map(|(at, face)| (face.corners[0], at)).collect();
@@ -54,7 +55,7 @@ impl Order {
     }
 
     /// Faces one after the other: curves that do not close from their starts, then the others.
-    fn faces(&self) -> Vec<usize> {
+    pub(super) fn faces(&self) -> Vec<usize> {
         let [next, previous] = &self.beside;
         let all = 0..next.len();
         let heads = all.clone().filter(|&face| previous[face].is_none());
@@ -72,7 +73,7 @@ impl Order {
     }
 
     /// Runs of pressed faces, in the order of their first faces.
-    fn runs(&self, pressed: &[bool]) -> Vec<Vec<usize>> {
+    pub(super) fn runs(&self, pressed: &[bool]) -> Vec<Vec<usize>> {
         let [next, previous] = &self.beside;
         let order = self.faces();
         let is_first = |face: &&usize| {

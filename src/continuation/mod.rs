@@ -7,6 +7,7 @@
 //! | [`part`] | one part, solved and judged |
 //! | [`parts`], [`checkpoint`] | parts of the path, and the equilibrium to go back to |
 //! | [`longest_part`], [`initial_penetration`] | how long parts may be, what they admit |
+//! | [`fluid_front`], [`seal_trend`], [`leak_bracket`] | fluids on the way, how far they rise at once, and where one leaks |
 //! | [`penalty`], [`snap_through`] | strategies beside smaller parts |
 //!
 //! A body that starts inside an obstacle is let in by as much as it is inside, and pushed out over
@@ -14,18 +15,21 @@
 //! the parts; each failed one is in the report ([`crate::report::Attempt`]).
 
 mod checkpoint;
+mod fluid_front;
 mod initial_penetration;
+mod leak_bracket;
 mod longest_part;
 mod part;
 mod parts;
 mod penalty;
+mod seal_trend;
 mod snap_through;
 mod strategy;
 
 use crate::diagnosis::{is_soft, name_the_end, name_the_impossible};
 use crate::model::conditions::Conditions;
 use crate::model::drive::Drive;
-use crate::model::ending::{Ending, Snap};
+use crate::model::ending::{Ending, Leak, Snap};
 use crate::model::state::State;
 use crate::report::{Attempt, Cause, Strategy, Termination};
 use crate::sqp::increment;
@@ -34,10 +38,12 @@ use crate::sqp::run::Run;
 use crate::sqp::trend::Trend;
 use checkpoint::Checkpoint;
 use initial_penetration::InitialPenetration;
+use leak_bracket::LeakBracket;
 use longest_part::{MOST_PARTS, longest_part};
 use part::solve_part;
 use parts::Parts;
 use penalty::{next_penalty, penalise};
+use seal_trend::SealTrend;
 use snap_through::snap_through;
 use strategy::{Failure, LEAST_UNSTABLE_FRACTION, Next, Rules, Tried, after};
 
@@ -63,6 +69,10 @@ struct LoadPath<'w> {
     snapped: Option<Snap>,
     /// How far a snap-through leads: half as far after each that has found no minimum.
     snap_through: f64,
+    /// A leak ahead; none where none was met.
+    leak: Option<LeakBracket>,
+    /// How tight seals are on the way.
+    seals: SealTrend,
 }
 
 /// A part that failed, and the motion along which its equilibrium was seen to be unstable.
@@ -100,7 +110,10 @@ pub(crate) fn advance(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
         penetration,
         snapped: None,
         snap_through: first_snap_through(run.state),
+        leak: None,
+        seals: SealTrend::default(),
     };
+    path.bound_by_seals(run);
     let (mut ending, part) = path.follow(run);
     if ending.termination == Termination::Converged {
         run.learned.converged.add(run.counters.applications);
@@ -131,6 +144,17 @@ impl LoadPath<'_> {
                 }
                 self.parts.succeed();
                 self.bound(run);
+                if let Some(ending) = self.leaked(run, &ending) {
+                    return self.finished(run, ending);
+                }
+                continue;
+            }
+            if let Some(leak) = ending.leak {
+                checkpoint.restore(run);
+                self.leak = Some(LeakBracket::new(next, leak, ending.cause));
+                if let Some(ending) = self.leaked(run, &ending) {
+                    return self.finished(run, ending);
+                }
                 continue;
             }
             let is_saddle = ending.cause == Some(Cause::UnstableEquilibrium);
@@ -159,6 +183,60 @@ impl LoadPath<'_> {
         }
     }
 
+    /// The end of a path on which a fluid leaks, where that is bracketed; else the next part halves
+    /// the bracket.
+    fn leaked(&mut self, run: &mut Run<'_>, last: &Ending) -> Option<Ending> {
+        let bracket = self.leak?;
+        let reached = self.parts.reached;
+        let path = [&self.start, self.goal];
+        if !bracket.is_narrow(run.model.plan, path, reached) {
+            self.parts.part = self.parts.part.min(bracket.half(reached));
+            return None;
+        }
+        let leak = bracket.leak(path, reached);
+        Some(self.leaking(run, (leak, bracket.cause()), last))
+    }
+
+    /// The end of a path at its last tight state, of a leak ahead and why nothing is tight there.
+    fn leaking(
+        &self,
+        run: &mut Run<'_>,
+        (leak, cause): (Leak, Option<Cause>),
+        last: &Ending,
+    ) -> Ending {
+        let is_sought = self.goal.fluids[leak.fluid].to_blow_off;
+        let mut ending = Ending {
+            leak: Some(leak),
+            termination: if is_sought {
+                Termination::Converged
+            } else {
+                Termination::NotConverged
+            },
+            cause: cause.filter(|_| !is_sought),
+            site: fluid_front::site(run, leak),
+            ..last.clone()
+        };
+        increment::describe(run, &mut ending);
+        ending
+    }
+
+    /// The end of a path on which nothing leads on, at its last good state: below a leak it is that of
+    /// the leak, as far as that is bracketed.
+    fn given_up(&self, run: &mut Run<'_>, mut ending: Ending) -> Ending {
+        if let Some(bracket) = self.leak {
+            let leak = bracket.leak([&self.start, self.goal], self.parts.reached);
+            let wide = self.leaking(run, (leak, None), &ending);
+            return Ending {
+                termination: Termination::NotConverged,
+                cause: ending.cause,
+                ..wide
+            };
+        }
+        name_the_end(run, &mut ending);
+        increment::describe(run, &mut ending);
+        ending
+    }
+
     /// Does what follows a failed part; how the path ends where nothing leads on. The state is the
     /// last good one.
     fn after_failure(&mut self, run: &mut Run<'_>, failed: Failed) -> Option<Ending> {
@@ -178,7 +256,7 @@ impl LoadPath<'_> {
                     run.counters.cut_backs += 1;
                     return None;
                 }
-                Next::GiveUp => return Some(given_up(run, failed.ending)),
+                Next::GiveUp => return Some(self.given_up(run, failed.ending)),
             };
             let before = run.counters.applications;
             tried.note(strategy);
@@ -194,6 +272,9 @@ impl LoadPath<'_> {
             };
             if settled.is_stopped() {
                 return Some(settled);
+            }
+            if settled.leak.is_some() {
+                return self.leaked(run, &settled);
             }
             if settled.termination == Termination::Converged {
                 return (self.parts.reached >= 1.0).then_some(settled);
@@ -237,6 +318,19 @@ impl LoadPath<'_> {
         } else {
             1.0
         });
+        self.bound_by_seals(run);
+    }
+
+    /// Bounds the next part by what fluids may rise from here; until a part has failed, by that alone.
+    fn bound_by_seals(&mut self, run: &Run<'_>) {
+        let share = self.seals.longest_part(&run.model, run.state, self.goal);
+        if share < 1.0 {
+            let longest = ((1.0 - self.parts.reached) * share).min(self.parts.longest);
+            if run.counters.attempts.is_empty() {
+                self.parts.part = longest;
+            }
+            self.parts.bound(longest);
+        }
     }
 
     /// Brings a larger penalty in where that keeps an equilibrium; how that ended, the state as it
@@ -271,6 +365,9 @@ impl LoadPath<'_> {
         } else {
             checkpoint.restore(run);
             self.snap_through *= 0.5;
+            let leak = settled.leak;
+            let ahead = leak.map(|leak| LeakBracket::new(next, leak, settled.cause));
+            self.leak = ahead.or(self.leak);
         }
         Some(settled)
     }
@@ -313,13 +410,6 @@ fn rules(run: &Run<'_>) -> Rules {
     }
 }
 
-/// The end of a path on which nothing leads on, at its last good state.
-fn given_up(run: &mut Run<'_>, mut ending: Ending) -> Ending {
-    name_the_end(run, &mut ending);
-    increment::describe(run, &mut ending);
-    ending
-}
-
 /// Keeps how rubber moved in a part that converged.
 fn note_trend(run: &mut Run<'_>, ending: &Ending, before: &State) {
     if run.model.is_rubber() && ending.termination == Termination::Converged {
@@ -335,6 +425,7 @@ pub(crate) fn constants() -> Vec<crate::constants::Constant> {
         own_constants(),
         parts::own_constants(),
         penalty::own_constants(),
+        seal_trend::own_constants(),
         snap_through::own_constants(),
         strategy::own_constants(),
     ]

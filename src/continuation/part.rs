@@ -1,12 +1,12 @@
 //! One part of an increment, solved and judged: equilibrium as accurately as the scene
-//! asks, of pushed obstacles too, the cause where there is none, the mean of a pressure that nothing fixes,
+//! asks, of pushed obstacles and fluids too, the cause where there is none, the mean of a pressure that nothing fixes,
 //! whether the equilibrium is a minimum, and whether friction admits others.
 
 use std::time::Instant;
 
+use super::fluid_front;
 use crate::diagnosis::uniqueness::look_for_an_alternative;
 use crate::diagnosis::{explain, refuse_inside_out};
-use crate::force_control;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::mean_pressure::centre_pressure;
@@ -19,8 +19,9 @@ pub(super) fn solve_part(run: &mut Run<'_>, drive: &Drive) -> Ending {
     if let Some(ending) = answer(run, drive) {
         return ending;
     }
-    let mut ending = force_control::solve(run, drive);
+    let mut ending = fluid_front::solve(run, drive);
     explain(run, &mut ending);
+    fluid_front::keep_leaks(&mut ending);
     centre_pressure(&run.model, run.state);
     refuse_inside_out(run, &mut ending);
     certify_timed(run, &mut ending);

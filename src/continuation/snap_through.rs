@@ -138,8 +138,8 @@ impl Policy for SnapThrough {
         }
         match ending.cause {
             _ if ending.termination != Termination::NotConverged => End::At(ending.into()),
-            // A well of the mesh, not of the body.
-            Some(Cause::InsideOut) => End::At(ending.into()),
+            // A well of the mesh, not of the body; nothing holds what a fluid passes.
+            Some(Cause::InsideOut | Cause::Leaks) => End::At(ending.into()),
             Some(Cause::UnstableEquilibrium) => {
                 self.leave_saddle(run, flow);
                 End::Elsewhere

@@ -34,8 +34,8 @@ pub(crate) fn locate(run: &mut Run<'_>, ending: &Ending, goal: &Drive) -> Option
         Cause::UnstableEquilibrium | Cause::LimitPoint | Cause::StepTooSmall => of_mode(run),
         Cause::NegativeJacobian => of_cells(run),
         Cause::NoEquilibrium => of_sum(run, goal),
-        // The place of an inside-out cell was found at the state that was refused.
-        Cause::EnclosedVolume | Cause::NotFinite | Cause::InsideOut => None,
+        // The place of an inside-out cell or a leak was found at the state that was refused.
+        Cause::EnclosedVolume | Cause::NotFinite | Cause::InsideOut | Cause::Leaks => None,
         Cause::Stagnation
         | Cause::IterationLimit
         | Cause::ActiveSetCycle

@@ -36,7 +36,7 @@ const DEPENDENT: f64 = 1e-8;
 
 /// Directions and their products, kept between calls that continue the same
 /// system.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Directions {
     pairs: std::collections::VecDeque<(Vec<f64>, Vec<f64>)>,
     most: usize,

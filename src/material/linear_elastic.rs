@@ -14,7 +14,7 @@
 //! lambda_2 small and above zero, lambda_1 above -2 mu / 3: both parts are positive.
 
 /// lambda_2 in shear moduli: lambda at a Poisson ratio of 0.01.
-const CARRIED_BY_PRESSURE: f64 = 0.02 / 0.98;
+pub(super) const CARRIED_BY_PRESSURE: f64 = 0.02 / 0.98;
 
 /// Moduli of one material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,6 +98,11 @@ impl LinearElastic {
             stress[i][i] += self.direct_lame * dilation - pressure;
         }
         stress
+    }
+
+    /// 1 / K, one over stress; zero where the volume cannot change.
+    pub fn inverse_bulk(&self) -> f64 {
+        (self.lame() + 2.0 / 3.0 * self.shear_modulus).recip()
     }
 
     /// The pressure that belongs to a volume strain, for displacement forms.

@@ -4,16 +4,20 @@
 //! W(F) - p (J - 1) - p^2 / 2K,   so that P = dW/dF - p cof F,  -(J - 1) - p / K = 0
 //! ```
 //!
-//! with bulk modulus K, 1/K = 0 where the volume cannot change. All of it is given
-//! at a displacement gradient H = F - I, one point at a time; the kernels take the
-//! laws in invariants several elements at a time.
+//! with bulk modulus K, 1/K = 0 where the volume cannot change. A foam, whose energy is one of shape
+//! and volume together, has that less K/2 (J - 1)^2 for W, a sheet that of its plane less a like
+//! part of its area. All of it is given at a displacement gradient H = F - I, one point at a time;
+//! the kernels take the laws in invariants several elements at a time.
 
 use sha2::Sha256;
 
-use super::{Deformation, InvariantLaw, Ogden, Potential, TangentMatrix};
-use crate::geometry::tensor::{Tensor, cross, plus, volume_change};
+use super::mixed::subtract_pressure;
+use super::{
+    BodyLaw, Deformation, Hyperfoam, InvariantLaw, Ogden, Potential, Sheet, TangentMatrix,
+};
+use crate::geometry::tensor::{Tensor, plus, volume_change};
 
-/// The isochoric part.
+/// What displacements carry: the isochoric part, of a foam more than that.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Isochoric {
     /// The invariants' law: Mooney-Rivlin, neo-Hookean or Yeoh.
@@ -22,14 +26,20 @@ pub enum Isochoric {
     Ogden(Ogden),
     /// Any function of the invariants.
     Potential(Potential),
+    /// A foam, less what its pressure carries.
+    Hyperfoam(Hyperfoam),
+    /// Any of them in the plane of a sheet that nothing holds across.
+    Sheet(Box<Sheet<Isochoric>>),
 }
 
 /// A rubber.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rubber {
-    /// W, the energy of a change of shape per undeformed volume.
+    /// W, the energy of a change of shape per undeformed volume; of a foam with the part of the
+    /// volume that displacements carry.
     pub isochoric: Isochoric,
-    /// 1 / K, one over stress; zero where the volume cannot change.
+    /// 1 / K, one over stress; zero where the volume cannot change. Of a foam that of the part that
+    /// its pressure carries.
     pub inverse_bulk: f64,
 }
 
@@ -45,6 +55,48 @@ fn unit(place: usize) -> Tensor<f64> {
     change
 }
 
+impl BodyLaw for Isochoric {
+    fn energy(&self, h: &Tensor<f64>) -> f64 {
+        self.energy(h)
+    }
+
+    fn stress(&self, h: &Tensor<f64>) -> Tensor<f64> {
+        self.stress(h)
+    }
+
+    fn tangent(&self, h: &Tensor<f64>) -> TangentMatrix {
+        self.tangent(h)
+    }
+
+    fn shear_modulus(&self) -> f64 {
+        self.shear_modulus()
+    }
+
+    fn over(&self, stress: f64) -> Self {
+        self.over(stress)
+    }
+
+    fn hash_into(&self, hash: &mut Sha256) {
+        self.hash_into(hash);
+    }
+}
+
+impl Rubber {
+    /// The neo-Hookean law of that shear modulus, stress, and 1 / K, one over stress.
+    pub fn neo_hookean(shear_modulus: f64, inverse_bulk: f64) -> Self {
+        let isochoric = Isochoric::Invariants(InvariantLaw {
+            c10: 0.5 * shear_modulus,
+            c01: 0.0,
+            c20: 0.0,
+            c30: 0.0,
+        });
+        Self {
+            isochoric,
+            inverse_bulk,
+        }
+    }
+}
+
 impl Isochoric {
     /// The law in units of `stress`.
     fn over(&self, stress: f64) -> Self {
@@ -52,6 +104,8 @@ impl Isochoric {
             Self::Invariants(law) => Self::Invariants(law.over(stress)),
             Self::Ogden(law) => Self::Ogden(law.over(stress)),
             Self::Potential(law) => Self::Potential(law.over(stress)),
+            Self::Hyperfoam(law) => Self::Hyperfoam(law.over(stress)),
+            Self::Sheet(law) => Self::Sheet(Box::new(law.over(stress))),
         }
     }
 
@@ -61,6 +115,17 @@ impl Isochoric {
             Self::Invariants(law) => law.hash_into(hash),
             Self::Ogden(law) => law.hash_into(hash),
             Self::Potential(law) => law.hash_into(hash),
+            Self::Hyperfoam(law) => law.hash_into(hash),
+            Self::Sheet(law) => law.hash_into(hash),
+        }
+    }
+
+    /// The law of a foam, in a sheet too.
+    fn foam(&self) -> Option<&Hyperfoam> {
+        match self {
+            Self::Hyperfoam(law) => Some(law),
+            Self::Sheet(sheet) => sheet.body().foam(),
+            Self::Invariants(_) | Self::Ogden(_) | Self::Potential(_) => None,
         }
     }
 
@@ -68,7 +133,7 @@ impl Isochoric {
     pub fn is_by_point(&self) -> bool {
         match self {
             Self::Invariants(_) => false,
-            Self::Ogden(_) | Self::Potential(_) => true,
+            Self::Ogden(_) | Self::Potential(_) | Self::Hyperfoam(_) | Self::Sheet(_) => true,
         }
     }
 
@@ -78,6 +143,8 @@ impl Isochoric {
             Self::Invariants(law) => law.modulus(),
             Self::Ogden(law) => law.shear_modulus(),
             Self::Potential(law) => law.shear_modulus(),
+            Self::Hyperfoam(law) => law.shear_modulus(),
+            Self::Sheet(law) => law.body().shear_modulus(),
         }
     }
 
@@ -87,6 +154,8 @@ impl Isochoric {
             Self::Invariants(law) => law.energy(&deformation(h)),
             Self::Ogden(law) => law.energy(h),
             Self::Potential(law) => law.energy(&deformation(h)),
+            Self::Hyperfoam(law) => law.energy(h),
+            Self::Sheet(law) => law.energy(h),
         }
     }
 
@@ -96,6 +165,8 @@ impl Isochoric {
             Self::Invariants(law) => law.stress(&deformation(h)),
             Self::Ogden(law) => law.stress(h),
             Self::Potential(law) => law.stress(&deformation(h)),
+            Self::Hyperfoam(law) => law.stress(h),
+            Self::Sheet(law) => law.stress(h),
         }
     }
 
@@ -111,11 +182,26 @@ impl Isochoric {
             }
             Self::Ogden(law) => law.tangent(h),
             Self::Potential(law) => law.tangent(&deformation(h)),
+            Self::Hyperfoam(law) => law.tangent(h),
+            Self::Sheet(law) => law.tangent(h),
         }
     }
 }
 
 impl Rubber {
+    /// A foam.
+    pub fn of_foam(law: Hyperfoam) -> Self {
+        Self {
+            inverse_bulk: law.carried().recip(),
+            isochoric: Isochoric::Hyperfoam(law),
+        }
+    }
+
+    /// The law of a foam; none of laws whose volume is a matter of the pressure alone.
+    pub fn foam(&self) -> Option<&Hyperfoam> {
+        self.isochoric.foam()
+    }
+
     /// The rubber in units of `stress`.
     pub fn over(&self, stress: f64) -> Self {
         Self {
@@ -143,15 +229,42 @@ impl Rubber {
 
     /// dP/dF at fixed pressure.
     pub fn tangent(&self, h: &Tensor<f64>, pressure: f64) -> TangentMatrix {
-        let gradient = deformation(h).gradient;
         let mut tangent = self.isochoric.tangent(h);
-        for (row, unit_row) in tangent.iter_mut().zip((0..9).map(unit)) {
-            let turned = cross(&gradient, &unit_row);
-            for (entry, turn) in row.iter_mut().zip(turned.as_flattened()) {
-                *entry -= pressure * turn;
-            }
-        }
+        subtract_pressure(&mut tangent, &deformation(h).gradient, pressure);
         tangent
+    }
+
+    /// K of the body, stress, that of a sheet too; infinite where the volume cannot change.
+    pub fn bulk_modulus(&self) -> f64 {
+        match &self.isochoric {
+            Isochoric::Sheet(sheet) => sheet.inverse_bulk(),
+            Isochoric::Invariants(_)
+            | Isochoric::Ogden(_)
+            | Isochoric::Potential(_)
+            | Isochoric::Hyperfoam(_) => self.inverse_bulk,
+        }
+        .recip()
+    }
+
+    /// J - 1 of the body; that of a sheet with the stretch across it.
+    pub fn volume_change(&self, h: &Tensor<f64>) -> f64 {
+        match &self.isochoric {
+            Isochoric::Sheet(sheet) => sheet.volume_change(h),
+            Isochoric::Invariants(_)
+            | Isochoric::Ogden(_)
+            | Isochoric::Potential(_)
+            | Isochoric::Hyperfoam(_) => volume_change(h),
+        }
+    }
+
+    /// The law as a sheet of it has it in its plane.
+    #[must_use]
+    pub fn of_a_sheet(self) -> Self {
+        let sheet = Sheet::new(self.isochoric, self.inverse_bulk);
+        Self {
+            inverse_bulk: sheet.carried().recip(),
+            isochoric: Isochoric::Sheet(Box::new(sheet)),
+        }
     }
 
     /// -(J - 1) - p / K.

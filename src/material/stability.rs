@@ -1,20 +1,21 @@
-//! Where a law of rubber is stable at constant volume: its energy in logarithmic strains is convex,
+//! Where a law of rubber is stable: its energy in logarithmic strains is convex, at constant volume,
 //!
 //! ```text
 //! d tau : d eps = sum_ij d2W / d eps_i d eps_j  d eps_i d eps_j > 0,   eps_3 = -eps_1 - eps_2
 //! ```
 //!
+//! of a foam with the changes of volume that its free directions ask for ([`foams`]).
+//!
 //! (D. C. Drucker, A definition of stable inelastic material, 1959; the check of hyperelastic laws
 //! that programs of finite elements make.) Exact for Ogden's law, elsewhere by differences of the
 //! stress; cost: some 10^4 stresses.
 
+mod foams;
+mod search;
+
 use super::{Isochoric, Ogden};
 use crate::geometry::tensor::Tensor;
 
-/// Stretch up to which a law is looked at, and its inverse: the range of other programs; chosen.
-const FARTHEST: f64 = 10.0;
-/// Strains that are looked at on a way, 0.6 % apart; chosen.
-const STRAINS: u32 = 400;
 /// Strain of the differences; their error, STEP^2 a^2 / 6, is 1e-7 at an exponent a of 8.
 const STEP: f64 = 1e-4;
 /// Error of the differences over the largest second derivative that is no loss of stability: ten
@@ -40,20 +41,14 @@ pub(crate) struct Unstable {
 
 /// The ways on which `law` is not stable to the end, with the first stretch of each.
 pub(crate) fn unstable(law: &Isochoric) -> Vec<Unstable> {
+    match law {
+        Isochoric::Hyperfoam(law) => return foams::unstable(law),
+        Isochoric::Sheet(sheet) => return unstable(sheet.body()),
+        Isochoric::Invariants(_) | Isochoric::Ogden(_) | Isochoric::Potential(_) => {}
+    }
     let of_way = |(way, strains, sign): (&'static str, [f64; 2], f64)| {
         let is_stable = |size: f64| is_stable(law, strains.map(|strain| sign * size * strain));
-        let size = |place: u32| FARTHEST.ln() * f64::from(place) / f64::from(STRAINS);
-        let last = (0..=STRAINS).find(|&place| !is_stable(size(place)))?;
-        let [mut least, mut most] = [last.saturating_sub(1), last].map(size);
-        for _ in 0..20 {
-            let middle = 0.5 * (least + most);
-            if is_stable(middle) {
-                least = middle;
-            } else {
-                most = middle;
-            }
-        }
-        let stretch = (sign * most).exp();
+        let stretch = (sign * search::first_unstable(is_stable)?).exp();
         Some(Unstable { way, stretch })
     };
     WAYS.into_iter().filter_map(of_way).collect()
@@ -63,7 +58,10 @@ pub(crate) fn unstable(law: &Isochoric) -> Vec<Unstable> {
 fn is_stable(law: &Isochoric, strains: [f64; 2]) -> bool {
     let [along, across, mixed] = match law {
         Isochoric::Ogden(law) => return is_stable_ogden(law, strains),
-        Isochoric::Invariants(_) | Isochoric::Potential(_) => second_derivatives(law, strains),
+        Isochoric::Invariants(_)
+        | Isochoric::Potential(_)
+        | Isochoric::Hyperfoam(_)
+        | Isochoric::Sheet(_) => second_derivatives(law, strains),
     };
     let size = along.abs().max(across.abs());
     let determinant = (along / size) * (across / size) - (mixed / size) * (mixed / size);

@@ -6,12 +6,14 @@
 //! dimension, u64 member count, members i32. Arrays are as uploaded, vertices
 //! that no cell uses included. A mesh with offsets of edges begins with
 //! `signorini-mesh-v2\n` instead and ends with their u64 count, their ends i32
-//! `[edges, 2]` and the offsets f64 `[edges, 3]`. Cost: one pass over the arrays.
+//! `[edges, 2]` and the offsets f64 `[edges, 3]`; one that keeps those inside the body begins with
+//! `signorini-mesh-v3\n`. Cost: one pass over the arrays.
 
 use std::fmt;
 
 use sha2::{Digest, Sha256};
 
+use super::offsets::Inside;
 use super::{EdgeOffset, GroupKind, MeshParts};
 
 /// Content address of a mesh; displayed as 64 lower-case hexadecimal digits.
@@ -67,12 +69,13 @@ fn hexadecimal(digit: u8) -> Option<u8> {
 }
 
 /// Digest of arrays whose counts and indices fit 31 bits.
-pub(crate) fn digest(parts: &MeshParts, offsets: &[EdgeOffset]) -> MeshId {
+pub(super) fn digest(parts: &MeshParts, offsets: &[EdgeOffset], inside: Inside) -> MeshId {
     let kind = parts.cell_kind;
     let mut hasher = Sha256::new();
-    hasher.update(match offsets {
-        [] => b"signorini-mesh-v1\n",
-        _ => b"signorini-mesh-v2\n",
+    hasher.update(match (offsets, inside) {
+        ([], _) => b"signorini-mesh-v1\n",
+        (_, Inside::LeftOut) => b"signorini-mesh-v2\n",
+        (_, Inside::Kept) => b"signorini-mesh-v3\n",
     });
     hasher.update([kind.vertices() as u8]);
     let cells = parts.cells.len() / kind.vertices();
@@ -172,7 +175,7 @@ mod tests {
     #[test]
     fn digest_is_sha_256_of_the_canonical_bytes() {
         let expected: [u8; 32] = Sha256::digest(canonical()).into();
-        assert_eq!(digest(&parts(), &[]).as_bytes(), &expected);
+        assert_eq!(digest(&parts(), &[], Inside::LeftOut).as_bytes(), &expected);
     }
 
     /// The offset of one edge.
@@ -191,18 +194,21 @@ mod tests {
         bytes.extend([0_i32, 2].iter().flat_map(|vertex| vertex.to_le_bytes()));
         bytes.extend([-0.25, 0.0, 0.0_f64].iter().flat_map(|x| x.to_le_bytes()));
         let expected: [u8; 32] = Sha256::digest(bytes).into();
-        assert_eq!(digest(&parts(), &[bent()]).as_bytes(), &expected);
+        assert_eq!(
+            digest(&parts(), &[bent()], Inside::LeftOut).as_bytes(),
+            &expected
+        );
     }
 
     #[test]
     fn a_straight_mesh_keeps_its_digest() {
         let expected = "293466b0cc4706f1de4b40fe09e909ad2d3ea9025136cf75c6201656f8fac7b5";
-        assert_eq!(digest(&parts(), &[]).to_string(), expected);
+        assert_eq!(digest(&parts(), &[], Inside::LeftOut).to_string(), expected);
     }
 
     #[test]
     fn every_array_counts() {
-        let base = digest(&parts(), &[]);
+        let base = digest(&parts(), &[], Inside::LeftOut);
         let changes: [fn(&mut MeshParts); 5] = [
             |parts| parts.coordinates[1][2] = 1e-300,
             |parts| parts.cells.swap(0, 1),
@@ -213,13 +219,13 @@ mod tests {
         for change in changes {
             let mut changed = parts();
             change(&mut changed);
-            assert_ne!(digest(&changed, &[]), base);
+            assert_ne!(digest(&changed, &[], Inside::LeftOut), base);
         }
     }
 
     #[test]
     fn hexadecimal_form_round_trips() {
-        let id = digest(&parts(), &[]);
+        let id = digest(&parts(), &[], Inside::LeftOut);
         assert_eq!(MeshId::from_hex(&id.to_string()), Some(id));
         assert_eq!(MeshId::from_hex(&id.to_string().to_uppercase()), None);
         assert_eq!(MeshId::from_hex("00"), None);

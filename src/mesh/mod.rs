@@ -44,7 +44,7 @@ use crate::element::curved_cell::MOST_EDGES;
 use curving::Bent;
 use facets::FacetParent;
 use numbering::Numbering;
-use offsets::Lines;
+use offsets::{Inside, Lines};
 
 /// What the members of a group are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -153,9 +153,26 @@ impl Mesh {
     /// # Errors
     /// As [`Mesh::new`], and for offsets of no edge or longer than half their edge.
     pub fn second_order(parts: MeshParts, offsets: Vec<EdgeOffset>) -> Result<Self, MeshError> {
+        Self::build(parts, offsets, Inside::LeftOut)
+    }
+
+    /// [`Mesh::second_order`] with all offsets: the halves of a curved cell have curved edges
+    /// inside the body.
+    ///
+    /// # Errors
+    /// As [`Mesh::second_order`].
+    pub fn nested(parts: MeshParts, offsets: Vec<EdgeOffset>) -> Result<Self, MeshError> {
+        Self::build(parts, offsets, Inside::Kept)
+    }
+
+    fn build(
+        parts: MeshParts,
+        offsets: Vec<EdgeOffset>,
+        inside: Inside,
+    ) -> Result<Self, MeshError> {
         check::check_arrays(&parts)?;
         offsets::check_list(&offsets, parts.coordinates.len())?;
-        let id = digest::digest(&parts, &offsets);
+        let id = digest::digest(&parts, &offsets, inside);
         let kind = parts.cell_kind;
         let uploaded_vertex_count = parts.coordinates.len();
         let numbering = Numbering::new(&parts.cells, uploaded_vertex_count);
@@ -173,6 +190,7 @@ impl Mesh {
             numbering: &numbering,
             topology: &topology,
             is_plane: kind == CellKind::Triangle,
+            inside,
         };
         let (mut offsets, about_offsets) = lines.keep(offsets)?;
         let bent = Bent {

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Only edges of the surface keep an offset, and only one that is more than rounding;
-//! edges inside the body are lines. Cost: nothing on a mesh
+//! edges inside the body are lines, but for halves of curved cells ([`Mesh::nested`]). Cost: nothing on a mesh
 //! without offsets, else one look-up a surface edge.
 
 use super::bits::Bits;
@@ -17,6 +17,8 @@ use super::numbering::Numbering;
 use super::topology::Topology;
 use crate::element::curved_cell::MOST_EDGES;
 use crate::geometry::vector3::{is_finite, norm, sub};
+#[cfg(doc)]
+use crate::mesh::Mesh;
 
 /// Offset over the length of its edge below which the edge is a line.
 const STRAIGHT: f64 = 1e-9;
@@ -67,6 +69,15 @@ pub(super) fn check_list(offsets: &[EdgeOffset], vertices: usize) -> Result<(), 
     refuse(EdgeFault::NotFinite, infinite)
 }
 
+/// What becomes of offsets of edges inside the body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Inside {
+    /// The edges are lines.
+    LeftOut,
+    /// They bend the cells as those of the surface do.
+    Kept,
+}
+
 /// A mesh on its way, as far as offsets depend on it.
 pub(super) struct Lines<'a> {
     /// Coordinates of the used vertices.
@@ -77,6 +88,8 @@ pub(super) struct Lines<'a> {
     pub(super) topology: &'a Topology,
     /// Whether the mesh lies in the plane z = 0.
     pub(super) is_plane: bool,
+    /// What becomes of offsets inside the body.
+    pub(super) inside: Inside,
 }
 
 impl Lines<'_> {
@@ -98,10 +111,12 @@ impl Lines<'_> {
         let edges: Vec<Option<usize>> = edges.collect();
         refuse(EdgeFault::Detached, edges.iter().map(Option::is_none))?;
         self.check_size(&offsets)?;
-        let surface = self.surface();
-        let mut on_surface = edges.iter().flatten().map(|&edge| surface.contains(edge));
         let all = offsets.len();
-        offsets.retain(|_| on_surface.next().unwrap_or(false));
+        if self.inside == Inside::LeftOut {
+            let surface = self.surface();
+            let mut on_surface = edges.iter().flatten().map(|&edge| surface.contains(edge));
+            offsets.retain(|_| on_surface.next().unwrap_or(false));
+        }
         let inside = all - offsets.len();
         let about = format!("{inside} offsets of edges inside the body are left out");
         offsets.retain(|one| norm(one.offset) > STRAIGHT * self.length(one.ends));

@@ -29,6 +29,8 @@ pub(crate) struct Counters {
     pub(crate) newton_steps: u32,
     /// Passes of the iteration on the threshold of friction.
     pub(crate) threshold_passes: u32,
+    /// Solutions between which fluids have advanced.
+    pub(crate) fluid_rounds: u32,
     /// Parts of the increment that were given up for smaller ones.
     pub(crate) cut_backs: u32,
     /// What failed, and what followed.
@@ -54,6 +56,7 @@ impl Counters {
             set_changes: 0,
             newton_steps: 0,
             threshold_passes: 0,
+            fluid_rounds: 0,
             cut_backs: 0,
             attempts: Vec::new(),
             step_length: 1.0,

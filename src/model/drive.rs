@@ -12,6 +12,7 @@
 //! Obstacles and supports are in the order of the plan. Lengths are the caller's, angles
 //! radians.
 
+use super::fluid_drive::{self, FluidDrive};
 use super::given::Given;
 use super::push::{Applied, Control, Part, Push, filled, joined, named, towards};
 use crate::geometry::rigid_motion::RigidMotion;
@@ -78,6 +79,8 @@ pub(crate) struct Drive {
     pub(crate) motions: Vec<RigidMotion>,
     /// Values of other codes.
     pub(crate) given: Given,
+    /// Pressure of each fluid, in the order of the plan; empty where there is none.
+    pub(crate) fluids: Vec<FluidDrive>,
 }
 
 impl Drive {
@@ -87,6 +90,7 @@ impl Drive {
             && self.supports == other.supports
             && self.motions == other.motions
             && self.given == other.given
+            && self.fluids == other.fluids
     }
 
     /// The undeformed state.
@@ -117,6 +121,7 @@ impl Drive {
             supports: vec![[0.0; 3]; supports],
             motions: vec![RigidMotion::default(); supports],
             given: Given::default(),
+            fluids: vec![FluidDrive::default(); plan.problem.resolved.fluids.len()],
         }
     }
 
@@ -148,6 +153,7 @@ impl Drive {
                 })
                 .collect(),
             given: Given::of_scene(plan),
+            fluids: fluid_drive::of_scene(plan),
             ..first
         }
     }
@@ -158,6 +164,7 @@ impl Drive {
         end.load = step.load.unwrap_or(end.load);
         step.obstacles.iter().for_each(|one| end.place(one));
         step.supports.iter().for_each(|one| end.hold(plan, one));
+        end.fluids = fluid_drive::after(&self.fluids, plan, step);
         end
     }
 
@@ -320,6 +327,16 @@ impl Drive {
         plan.problem.resolved.is_loaded() || !self.given.is_unloaded()
     }
 
+    /// Whether any load acts on the body of `plan`: those with a factor, or the pressure of a fluid.
+    pub(crate) fn is_loaded(&self, plan: &Plan) -> bool {
+        (self.has_loads(plan) && self.load != 0.0) || self.has_fluid_pressure()
+    }
+
+    /// Whether any fluid has a pressure.
+    pub(crate) fn has_fluid_pressure(&self) -> bool {
+        self.fluids.iter().any(|fluid| fluid.pressure != 0.0)
+    }
+
     /// r where the way from `to` to this drive is r times that from `from` to `to`,
     /// to round-off; none where it is another way, or one of them has no length.
     pub(crate) fn continues(&self, from: &Self, to: &Self) -> Option<f64> {
@@ -364,6 +381,7 @@ impl Drive {
         std::iter::once(self.load)
             .chain(vectors.flatten())
             .chain(self.given.numbers())
+            .chain(self.fluids.iter().map(|fluid| fluid.pressure))
             .collect()
     }
 
@@ -384,6 +402,7 @@ impl Drive {
         let factors = [self.load, end.load];
         Self {
             given: self.given.towards(&end.given, fraction, factors),
+            fluids: fluid_drive::towards(&self.fluids, &end.fluids, fraction),
             load: mix(self.load, end.load),
             poses: self
                 .poses

@@ -99,6 +99,18 @@ pub(crate) struct AlternativeEquilibrium {
     pub(crate) other: [usize; 3],
 }
 
+/// A fluid where it must not be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Leak {
+    /// The fluid, by its place in the scene.
+    pub(crate) fluid: usize,
+    /// The displacement node that it has reached; none where it has lifted the body.
+    pub(crate) node: Option<u32>,
+    /// Its pressure at the last tight equilibrium, and where it leaks, the caller's stress; zeros
+    /// until they are bracketed.
+    pub(crate) pressures: [f64; 2],
+}
+
 /// How an increment ended.
 #[derive(Clone, Debug)]
 pub(crate) struct Ending {
@@ -126,6 +138,8 @@ pub(crate) struct Ending {
     pub(crate) snapped: Option<Snap>,
     /// Another equilibrium that friction may admit; none where none was found.
     pub(crate) alternative: Option<AlternativeEquilibrium>,
+    /// The leak that ended the load path; none where fluids are tight.
+    pub(crate) leak: Option<Leak>,
 }
 
 impl Ending {
@@ -144,6 +158,7 @@ impl Ending {
             stability: None,
             snapped: None,
             alternative: None,
+            leak: None,
         }
     }
 

@@ -10,6 +10,7 @@
 use super::Model;
 use super::counters::timed;
 use super::drive::Drive;
+use super::fluids::add_fluids;
 use super::friction::Law;
 use super::given_loads::dead_load;
 use super::held::{mask, norm_of};
@@ -141,12 +142,13 @@ pub(crate) fn load_norm(model: &Model<'_>, state: &State) -> f64 {
     norm(&force)
 }
 
-/// Dead loads and follower pressures at the state's load factor, all rows `[displacement]`.
+/// Dead loads and follower pressures at the state's load factor, and fluids, all rows `[displacement]`.
 pub(crate) fn external_force(model: &Model<'_>, state: &State) -> Vec<f64> {
     let load = state.drive.load;
     let mut force = dead_load(model, &state.drive).into_owned();
     force.iter_mut().for_each(|value| *value *= load);
     add_pressures(model, &state.displacement, load, &mut force);
+    add_fluids(model, state, &mut force);
     force
 }
 

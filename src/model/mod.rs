@@ -14,6 +14,8 @@ pub(crate) mod drive;
 pub(crate) mod ending;
 pub(crate) mod energy;
 pub(crate) mod evaluate;
+pub(crate) mod fluid_drive;
+pub(crate) mod fluids;
 pub(crate) mod friction;
 pub(crate) mod given;
 pub(crate) mod given_loads;

@@ -10,7 +10,8 @@
 
 use super::state::State;
 use crate::assembly::follower::{
-    FollowerPressure, PressedBody, SurfaceMeasure, add_follower_load, follower_tangent,
+    FollowerPressure, PressedBody, PressureValues, SurfaceMeasure, add_follower_load,
+    follower_tangent,
 };
 use crate::linalg::SparseRows;
 use crate::model::Model;
@@ -18,7 +19,7 @@ use crate::scene::SceneKind;
 
 /// The body as follower pressures read it, at that displacement in the hierarchical
 /// basis.
-fn pressed<'a>(model: &Model<'a>, displacement: &'a [f64]) -> PressedBody<'a> {
+pub(crate) fn pressed<'a>(model: &Model<'a>, displacement: &'a [f64]) -> PressedBody<'a> {
     PressedBody {
         mesh: model.mesh,
         scale: model.plan.problem.units.coordinate_scale,
@@ -38,7 +39,9 @@ fn pressures<'a>(model: &Model<'a>, load: f64) -> Vec<FollowerPressure<'a>> {
     pressures
         .map(|pressure| FollowerPressure {
             facets: &pressure.facets,
-            pressure: load * pressure.value / model.plan.problem.units.stress,
+            pressure: PressureValues::Uniform(
+                load * pressure.value / model.plan.problem.units.stress,
+            ),
         })
         .collect()
 }
@@ -53,12 +56,21 @@ pub(crate) fn add_pressures(model: &Model<'_>, displacement: &[f64], load: f64, 
 
 /// What they take off the stiffness at a state; none where nothing presses.
 pub(crate) fn pressure_tangent(model: &Model<'_>, state: &State) -> Option<SparseRows> {
+    let prepared = model.prepared;
+    let tangent = pressed_tangent(model, state, &prepared.is_held)?;
+    Some(prepared.held.project_matrix(tangent))
+}
+
+/// The same without rows and columns of what is `held` `[displacement unknowns]`.
+pub(crate) fn pressed_tangent(
+    model: &Model<'_>,
+    state: &State,
+    held: &[bool],
+) -> Option<SparseRows> {
     let load = state.drive.load;
     let is_pressed = !model.plan.problem.resolved.pressures.is_empty() && load != 0.0;
     is_pressed.then(|| {
         let body = pressed(model, &state.displacement);
-        let held = &model.prepared;
-        let tangent = follower_tangent(&body, &pressures(model, load), &held.is_held);
-        held.held.project_matrix(tangent)
+        follower_tangent(&body, &pressures(model, load), held)
     })
 }

@@ -35,6 +35,9 @@ pub(crate) struct State {
     pub(crate) slip: SlipState,
     /// Whether a program has cost as much as a factor of the body, by which later ones begin.
     pub(crate) by_factor: bool,
+    /// Whether each node of the surface of each fluid is wet `[fluids][nodes of the surface]`; empty
+    /// without fluids.
+    pub(crate) wet: Vec<Vec<bool>>,
     /// What moved the surface where the response of the body has answered; none after others,
     /// and in every checkpoint.
     pub(crate) surface_load: Option<SurfaceLoad>,
@@ -119,6 +122,12 @@ impl State {
             },
             slip: SlipState::undeformed(plan),
             by_factor: false,
+            wet: plan
+                .problem
+                .fluid_surfaces
+                .iter()
+                .map(|surface| surface.sources.clone())
+                .collect(),
             surface_load: None,
         }
     }
@@ -155,7 +164,8 @@ impl State {
             .as_ref()
             .map_or(0, |moved| moved.load.len());
         let numbers = numbers + load + 2 * self.slip.travel.len() + 2 * self.slip.total.len();
-        (8 * numbers + self.status.len()) as u64 + self.drive.given.bytes()
+        let wet: usize = self.wet.iter().map(Vec::len).sum();
+        (8 * numbers + self.status.len() + wet) as u64 + self.drive.given.bytes()
     }
 }
 

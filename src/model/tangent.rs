@@ -24,6 +24,7 @@ use crate::linalg::vector::add_scaled;
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
 use crate::model::held::mask;
+use crate::model::mean_pressure::balance_volumes;
 use crate::model::state::State;
 
 /// A and B about one state.
@@ -113,6 +114,7 @@ impl Tangent {
         mask(&model.prepared.held, &mut force);
         add_scaled(&mut moved.force, -1.0, &force);
         add_scaled(&mut moved.constraint, -1.0, &volume);
+        balance_volumes(model, &mut moved.constraint);
         for vector in [pressure, force, volume] {
             work.give(vector);
         }

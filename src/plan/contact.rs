@@ -173,7 +173,7 @@ fn check_frictional(
 /// Why a choice that the scene made, in whole or in part, is what it is.
 fn reason(asked: Option<ContactMethod>, metric: Option<MetricKind>) -> String {
     match (asked, metric) {
-        (None, None) => "pressure and contact pressure are solved together",
+        (None, None) => "forces, volumes and contact in one iteration",
         (None, Some(_)) => "metric asked for",
         (Some(_), None) => "method asked for, in its usual metric",
         (Some(_), Some(_)) => "asked for",

@@ -9,6 +9,7 @@
 //! | far away | the largest coordinate over the length of the body |
 //! | tool below the mesh | the radius of an obstacle beside the edges that may touch it |
 //! | edges below the mesh | the radius of an obstacle's edges or tip beside the same |
+//! | on the wrong side | the same of an obstacle without a bound ([`super::behind`]) |
 //! | begins inside | distances of the vertices that an obstacle may touch, in its first pose |
 //! | facets left out | those of a surface that have no area or are there twice |
 //! | long way | the travel of a step over the length of the body |
@@ -17,7 +18,8 @@
 //! ([`super::overlap`]).
 
 use super::Units;
-use super::overlap::overlap;
+use super::behind::behind;
+use super::overlap::{DEEP, overlap};
 use super::problem::Problem;
 use super::units::ScaledMesh;
 use crate::material::stability::unstable;
@@ -35,9 +37,6 @@ const NEARLY_INCOMPRESSIBLE: f64 = 1e5;
 /// Largest coordinate over the length of the body beyond which its shape loses digits that
 /// contact needs.
 const FAR: f64 = 1e6;
-
-/// Depth over the length of the body from which on an obstacle begins inside it.
-const DEEP: f64 = 0.01;
 /// Lengths of the body beyond which a travel is more likely in another unit.
 const LONG_WAY: f64 = 10.0;
 
@@ -59,8 +58,11 @@ pub(super) fn doubts(problem: &Problem, steps: &[Step], mesh: &Mesh) -> Vec<Stri
     all.extend(unstable_laws(scene, resolved));
     let sharp = |one| below_the_mesh(one, body).or_else(|| edges(one, body));
     all.extend(obstacles.iter().filter_map(sharp));
-    let inside = |one| begins_inside(one, body);
-    all.extend(obstacles.iter().filter_map(inside));
+    let inside = |one: (&Obstacle, &ResolvedObstacle)| match behind(one, steps, body) {
+        Some(found) => Some(found.message),
+        None => begins_inside(one.1, body),
+    };
+    all.extend(scene.obstacles.iter().zip(obstacles).filter_map(inside));
     all.extend(scene.obstacles.iter().filter_map(left_out));
     all.extend(long_way(steps, units));
     all
@@ -152,7 +154,9 @@ fn nearly_incompressible(scene: &Scene, resolved: &Resolved) -> Option<String> {
     let (material, found) = materials
         .find(|(_, resolved)| !resolved.is_incompressible() && is_nearly(&resolved.law))?;
     let ratio = found.law.lame() / found.law.shear_modulus;
-    let cure = if material.model.is_rubber() {
+    let cure = if found.is_foam() {
+        "`ogden` without `bulk_modulus`"
+    } else if material.model.is_rubber() {
         "no `bulk_modulus`"
     } else {
         "0.5 as `poisson_ratio`"

@@ -7,7 +7,7 @@
 use crate::linalg::cholesky::Precision;
 use crate::plan::Plan;
 use crate::report::Unknowns;
-use crate::scene::{P1Solver, ToleranceRule};
+use crate::scene::{MetricKind, P1Solver, ToleranceRule};
 
 /// Vertices of the cube that the other figures were measured on.
 const CUBE_VERTICES: f64 = 4096.0;
@@ -15,8 +15,9 @@ const CUBE_VERTICES: f64 = 4096.0;
 const CUBE_ENTRIES: f64 = 4.9e6;
 /// Floating-point operations of that factor.
 const CUBE_FLOPS: f64 = 2.4e9;
-/// Vectors of displacement length that a step holds at its peak.
-const VECTORS: u64 = 40;
+/// Vectors of displacement length that a step holds at its peak: with them 43, 182 and 312 MB are
+/// predicted for indented cubes of 12, 20 and 24 cells a side, which hold 48, 163 and 312.
+const VECTORS: u64 = 60;
 /// The same of a certificate by Lanczos steps beside it: most take twenty.
 const CERTIFICATE_VECTORS: u64 = 40;
 /// Bytes per cell of the matrix-free operator in both precisions and of the geometry it is made
@@ -119,19 +120,6 @@ pub(super) fn p1_solver(plan: &Plan, vertices: u64) -> (f64, f64) {
 /// Bytes of prepared data and one session's state at their peak.
 pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
     let components = plan.problem.units.dimension as u64;
-    let contact = plan.decisions.contact_vertices.len() as u64 * components;
-    let multipliers = plan.problem.unknowns.contact;
-    let own = if plan
-        .decisions
-        .contact
-        .method
-        .needs_dense(plan.decisions.contact.metric)
-    {
-        3 * multipliers * multipliers
-    } else {
-        0
-    };
-    let dense = 3 * contact * contact + own;
     let steps = if plan.certifies_by_steps() {
         CERTIFICATE_VECTORS * plan.problem.unknowns.displacement
     } else {
@@ -146,12 +134,44 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
         0
     };
     p1_solver(plan, vertices).0 as u64
-        + 8 * (dense + vectors + blocks)
+        + 8 * (dense_numbers(plan) + vectors + blocks)
         + CELL_BYTES * plan.problem.cells as u64
         + edge_block
         + 200 * vertices
         + plan.rubber_bytes(vertices)
         + plan.predicted_response_bytes()
+}
+
+/// Numbers in the dense matrices of contact at their peak: while the inverse of A11 is made at the
+/// traces, or while parts of the metric are factorised. A vertex has one trace, the normal of its
+/// surface, and with friction one in each direction; a factor is made by all components of the
+/// vertices.
+fn dense_numbers(plan: &Plan) -> u64 {
+    let square = |n: u64| n.saturating_mul(n);
+    let components = plan.problem.units.dimension as u64;
+    let vertices = plan.decisions.contact_vertices.len() as u64;
+    let traces = if plan.has_friction() {
+        components * vertices
+    } else {
+        vertices
+    };
+    let made_by = match plan.decisions.p1.solver {
+        P1Solver::Direct => components * vertices,
+        P1Solver::Amg | P1Solver::IcCg => traces,
+    };
+    let choice = &plan.decisions.contact;
+    let multipliers = plan.problem.unknowns.contact;
+    // Quadratic multipliers without friction have their part on the vertices.
+    let is_split = choice.metric == MetricKind::Compliance
+        && !plan.has_friction()
+        && 2 * vertices <= multipliers;
+    let rows = match (choice.method.needs_dense(choice.metric), is_split) {
+        (false, _) => 0,
+        (true, true) => traces,
+        (true, false) => multipliers,
+    };
+    // The matrix beside what it is made by; it beside a part and the factor of that.
+    (2 * square(made_by)).max(square(traces) + 3 * square(rows))
 }
 
 /// Applications of the displacement preconditioner to reach the tolerance.

@@ -7,6 +7,7 @@
 //! and groups.
 
 pub(crate) mod augmentation;
+mod behind;
 mod compared;
 pub(crate) mod contact;
 mod decisions;
@@ -47,7 +48,7 @@ use crate::scene::{ReportScope, Scene, SceneError, Step, Violation};
 use decisions::Decisions;
 use held::conflicts;
 use problem::{Problem, Stated};
-pub use report::{LeftOut, PlanEntry, PlanReport};
+pub use report::{LaterBytes, LeftOut, PlanEntry, PlanReport};
 use response::ResponseChoice;
 use units::ScaledMesh;
 pub use units::Units;

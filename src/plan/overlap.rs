@@ -18,7 +18,9 @@ use crate::scene::{self, PenetrationPolicy, SceneError};
 
 /// Depth over the length of the body from which on an obstacle is refused that shall not begin
 /// inside it: above what coordinates in single precision leave of a touch.
-const REFUSED: f64 = 1e-6;
+pub(super) const REFUSED: f64 = 1e-6;
+/// Depth over the length of the body from which on an obstacle begins inside it.
+pub(super) const DEEP: f64 = 0.01;
 
 /// An obstacle that begins inside the body, in the caller's units.
 #[derive(Clone, Debug, PartialEq)]

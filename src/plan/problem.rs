@@ -5,8 +5,9 @@ use super::held_nodes::{HeldByPlanes, held_nodes};
 use super::settings::Settings;
 use super::surfaces::{self, ContactLayout, Surfaces};
 use super::units::ScaledMesh;
-use super::{Units, compared, element, friction, overlap, true_surface};
+use super::{Units, behind, compared, element, friction, overlap, true_surface};
 use crate::comparisons::Comparisons;
+use crate::fluid::surface::{FluidSurface, Reach};
 use crate::mesh::{EdgeOffset, Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, ResolvedObstacle, build, resolve};
@@ -46,6 +47,8 @@ pub(crate) struct Problem {
     pub(crate) contact_space: ContactSpace,
     /// Functions and multipliers of each obstacle's surface.
     pub(crate) contact_layouts: Vec<ContactLayout>,
+    /// What each fluid can reach.
+    pub(crate) fluid_surfaces: Vec<FluidSurface>,
     /// Tractions of friction, after the pressures of all obstacles.
     pub(crate) tangential_multipliers: usize,
     /// Multipliers of supports that hold their normal component, after those of
@@ -94,6 +97,7 @@ pub(super) fn state(
         units: &units,
     };
     overlap::refuse((&scene.obstacles, &obstacles), body)?;
+    behind::refuse((&scene.obstacles, &obstacles), steps, body)?;
     friction::assign_friction(&mut obstacles, steps);
     let items = Items {
         resolved,
@@ -144,6 +148,7 @@ fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> (Problem, Vec<u32>) {
         held,
         contact_space,
         contact_layouts: surfaces.layouts,
+        fluid_surfaces: fluid_surfaces(&resolved, mesh, &space),
         tangential_multipliers,
         guided_multipliers: surfaces.guided,
         curved_edges: mesh.edge_offsets().len(),
@@ -153,6 +158,18 @@ fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> (Problem, Vec<u32>) {
         units,
     };
     (problem, surfaces.vertices)
+}
+
+/// What each fluid can reach.
+fn fluid_surfaces(resolved: &Resolved, mesh: &Mesh, space: &TaylorHood) -> Vec<FluidSurface> {
+    let fluids = resolved.fluids.iter().map(|fluid| Reach {
+        facets: &fluid.facets,
+        from: &fluid.from,
+        dry: &fluid.dry,
+    });
+    fluids
+        .map(|reach| FluidSurface::new(mesh, space, reach))
+        .collect()
 }
 
 /// The units of a scene.

@@ -7,7 +7,7 @@
 use super::{Plan, estimate};
 use crate::linalg::cholesky::Precision;
 use crate::report::Unknowns;
-use crate::scene::{MetricKind, P1Solver, SurfaceGeometry};
+use crate::scene::{MetricKind, P1Solver, SceneKind, SurfaceGeometry};
 
 /// One decision.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,6 +46,8 @@ pub struct PlanReport {
     pub left_out: Vec<LeftOut>,
     /// Predicted bytes of prepared data and state, from models of their sizes.
     pub predicted_bytes: u64,
+    /// The part of these that a session takes later than in its first step, if at all.
+    pub later_bytes: Option<LaterBytes>,
     /// Floating point operations to build the P1 solver.
     pub predicted_factor_flops: f64,
     /// Displacement preconditioner applications per increment.
@@ -54,7 +56,23 @@ pub struct PlanReport {
     pub warnings: Vec<String>,
 }
 
+/// Memory that a session takes from some step on: that of its body's response at the contact
+/// surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LaterBytes {
+    /// The first step that may take it, from 1.
+    pub from_step: u32,
+    /// Bytes at most.
+    pub bytes: u64,
+}
+
 impl Plan {
+    /// Predicted bytes of prepared data and of a session in its first step.
+    pub fn first_bytes(&self) -> u64 {
+        let later = self.later_bytes().map_or(0, |later| later.bytes);
+        estimate::bytes(self, self.problem.vertices as u64).saturating_sub(later)
+    }
+
     /// The plan in words and numbers.
     pub fn report(&self) -> PlanReport {
         let vertices = self.problem.vertices as u64;
@@ -71,6 +89,7 @@ impl Plan {
             decisions: self.entries(),
             left_out: self.left_out(),
             predicted_bytes: estimate::bytes(self, vertices),
+            later_bytes: self.later_bytes(),
             predicted_factor_flops: estimate::p1_solver(self, vertices).1,
             predicted_applications: estimate::applications(self),
             warnings: self.notes.warnings.clone(),
@@ -92,12 +111,13 @@ impl Plan {
             self.formulation_name(),
             self.formulation_reason(),
         );
+        self.push_measure(&mut push);
         self.push_rubber(&mut push);
         if let Some(price) = self.factor_cost() {
             push(
                 "factor",
-                format!("of the saddle point, after {price} iterations of a program"),
-                "it costs as much by then; later programs begin with it",
+                format!("of all unknowns, where a quadratic program has taken {price} iterations"),
+                "a direct solve costs no more by then; later programs begin with it",
             );
         }
         self.push_smoother(&mut push);
@@ -129,6 +149,22 @@ impl Plan {
             push("rigid modes", "shifted P1 factor".into(), &reason);
         }
         entries
+    }
+
+    /// What forces, volumes and energies are measured over, where that is not the body.
+    fn push_measure(&self, push: &mut dyn FnMut(&str, String, &str)) {
+        let (choice, reason) = match self.problem.resolved.kind {
+            SceneKind::Axisymmetric => (
+                "the whole ring about the axis x = 0",
+                "forces, volumes and energies are not per radian",
+            ),
+            SceneKind::PlaneStress => (
+                "a sheet whose thickness is free at each point",
+                "forces, energies and pressures are per thickness before deformation",
+            ),
+            SceneKind::Solid | SceneKind::PlaneStrain => return,
+        };
+        push("measure", choice.to_owned(), reason);
     }
 
     /// The method of the linear systems.

@@ -2,6 +2,7 @@
 //! (decision 46): from the first one where the scene asks for it, else where a session has
 //! taken so many steps that what it saves has paid for the factor, if that is small.
 
+use super::report::LaterBytes;
 use super::{Plan, estimate};
 use crate::scene::{ReportScope, ResponseMethod};
 
@@ -183,6 +184,14 @@ impl Plan {
         Some((words, &self.decisions.response.reason))
     }
 
+    /// What sessions may take once they come to the step from which on they keep the response;
+    /// none where they do from the first, or never.
+    pub fn later_bytes(&self) -> Option<LaterBytes> {
+        let from_step = self.decisions.response.from.filter(|&from| from > 1)?;
+        let bytes = self.predicted_response_bytes();
+        Some(LaterBytes { from_step, bytes })
+    }
+
     /// Bytes that the response may take in a session.
     pub(super) fn predicted_response_bytes(&self) -> u64 {
         match self.decisions.response.from {
@@ -202,6 +211,10 @@ fn hindrance(plan: &Plan) -> Option<String> {
         (
             !plan.problem.resolved.pressures.is_empty(),
             "pressures follow the body",
+        ),
+        (
+            !plan.problem.resolved.fluids.is_empty(),
+            "a fluid changes what it presses on",
         ),
         (plan.penalty() > 0.0, "a penalty was asked for"),
         (!plan.names_no_method(), "another method was asked for"),

@@ -122,6 +122,21 @@ impl Plan {
         laws.collect::<Option<_>>().unwrap_or_default()
     }
 
+    /// The same with the law of finite strain that has the moduli of each linear material: its
+    /// tangent at rest is linear elasticity.
+    pub(crate) fn laws_at_rest(&self) -> Vec<Rubber> {
+        let materials = self.problem.resolved.materials.iter();
+        let unit = self.problem.units.stress;
+        let laws = materials.map(|material| match &material.rubber {
+            Some(rubber) => rubber.over(unit),
+            None => {
+                let law = &material.law;
+                Rubber::neo_hookean(law.shear_modulus, law.inverse_bulk()).over(unit)
+            }
+        });
+        laws.collect()
+    }
+
     /// What rubber holds at its peak beside a linear body: kept directions, two
     /// states with their tangents, and an approximate inverse of its own.
     pub(crate) fn rubber_bytes(&self, vertices: u64) -> u64 {
@@ -170,12 +185,18 @@ impl Plan {
                 other @ (MaterialModel::LinearElastic { .. } | MaterialModel::Stokes { .. }) => {
                     let law = resolved.rubber.as_ref();
                     let name = format!("neo-hookean in the place of {}", other.name());
-                    (name, law.map(|law| law.inverse_bulk.recip()))
+                    (name, law.map(Rubber::bulk_modulus))
                 }
             };
-            let law = match bulk.filter(|bulk| bulk.is_finite()) {
-                None => format!("{name}, incompressible"),
-                Some(bulk) => format!("{name}, bulk modulus {bulk}"),
+            let foam = resolved.rubber.as_ref().and_then(Rubber::foam);
+            let law = match (bulk.filter(|bulk| bulk.is_finite()), foam) {
+                (None, Some(foam)) => {
+                    // Rounded here so that zero has no sign.
+                    let ratio = (1e3 * foam.poisson_ratio()).round() / 1e3 + 0.0;
+                    format!("{name}, Poisson ratio {ratio:.3} at rest")
+                }
+                (None, None) => format!("{name}, incompressible"),
+                (Some(bulk), _) => format!("{name}, bulk modulus {bulk}"),
             };
             if !laws.contains(&law) {
                 laws.push(law);
@@ -190,9 +211,9 @@ impl Plan {
         match self.problem.settings.quadrature_degree {
             Some(_) => (rule, "asked for"),
             None if self.is_axisymmetric() => {
-                (rule, "the stretch around the axis is no polynomial")
+                (rule, "a higher one for the stretch around the axis")
             }
-            None => (rule, "the fewest points that keep the order of convergence"),
+            None => (rule, "fewer points would lower the order of convergence"),
         }
     }
 
@@ -201,28 +222,26 @@ impl Plan {
         if !self.problem.resolved.is_rubber() {
             return;
         }
-        let reason = "isochoric energy and volume constraint at finite strain";
+        let reason = match self.problem.resolved.kind {
+            SceneKind::PlaneStress => "energy of the plane at finite strain",
+            SceneKind::Solid | SceneKind::PlaneStrain | SceneKind::Axisymmetric => {
+                "isochoric energy and volume constraint at finite strain"
+            }
+        };
         push("material", self.rubber_laws(), reason);
         let (rule, reason) = self.rubber_rule();
         push("volume rule", rule, reason);
-        if self.is_axisymmetric() {
-            push(
-                "measure",
-                "the whole ring about the axis x = 0".into(),
-                "forces, volumes and energies are not per radian",
-            );
-        }
         if !self.problem.resolved.pressures.is_empty() {
             push(
                 "pressure load",
-                "on the deformed faces, its change in the tangent".into(),
-                "it follows the body; not symmetric where the pressed surface has an edge",
+                "follows the deformed faces".into(),
+                "a pressure, no dead load; where the pressed surface has an edge, the tangent is not symmetric",
             );
         }
         push(
             "tangent",
-            "applied cell by cell, not stored as a matrix".into(),
-            "it changes with every iteration, and takes less memory so",
+            "computed cell by cell, no matrix is stored".into(),
+            "quicker, since it is another one in each iteration, and smaller",
         );
         push(
             "stability",
@@ -246,9 +265,9 @@ impl Plan {
         push("penalty", penalty, reason);
         push(
             "refactorisation",
-            "when a program takes three times the applications a decade of the first, or fails"
+            "where a quadratic program takes three times the iterations of the first, or fails"
                 .into(),
-            "a rule on counts, the same on every machine",
+            "judged by counts, not by seconds: the same on every machine",
         );
     }
 }

@@ -83,7 +83,7 @@ impl Plan {
                 "sign of the least eigenvalue by Lanczos steps, 15 to 60 applications an equilibrium, more where it is near zero"
                     .into()
             }
-            StabilityCheck::Off => "no certificate".into(),
+            StabilityCheck::Off => "not checked".into(),
         }
     }
 }

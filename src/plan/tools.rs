@@ -107,7 +107,7 @@ fn coarse(
     // A tool that is smaller than the faces is doubted as such.
     (half_width < face && face <= radius * units.length).then(|| {
         format!(
-            "obstacle `{}` may touch over a half width of {half_width:.3}, all edges there are longer, from {face:.3} on: a finer mesh sees the contact",
+            "contact with obstacle `{}` may end {half_width:.3} from its middle, inside the facets there, the smallest of size {face:.3}: refine them, or take its pressures as rough",
             obstacle.name
         )
     })

@@ -22,7 +22,7 @@ pub(crate) fn rings_at_rest(
     space: &TaylorHood,
     geometry: &CellGeometry,
 ) -> CellTangents {
-    let laws = plan.laws();
+    let laws = plan.laws_at_rest();
     let states = CellStates {
         mesh,
         space,

@@ -117,6 +117,43 @@ impl TaylorHoodData {
         .finish(plan, mesh, &poll)
     }
 
+    /// The same body with the laws of `plan`, in the same units: operators without their inverses,
+    /// which stay those of these data.
+    pub(crate) fn with_laws(&self, plan: &Plan, mesh: &Mesh) -> Self {
+        let moduli = moduli(plan);
+        let (space, geometry) = (self.space.clone(), self.geometry.clone());
+        let grid = Arc::new(Grid::new(GridSource {
+            mesh,
+            space: &space,
+            geometry: &geometry,
+            moduli: &moduli,
+            held: &self.held,
+        }));
+        let mut stiffness = self.stiffness.clone();
+        stiffness.free.grid = grid.clone();
+        let body = PressureBody {
+            mesh,
+            space: &space,
+            geometry: &geometry,
+            moduli: &moduli,
+            stiffness: &stiffness,
+        };
+        let strain = self.strain.as_ref();
+        Self {
+            pressure: plan.is_mixed().then(|| pressure_block(plan, body)),
+            strain: strain.map(|_| Arc::new(strain_grid(plan, mesh, &grid))),
+            held: self.held.clone(),
+            is_held: self.is_held.clone(),
+            at_rest: self.at_rest.clone(),
+            of_sessions: OfSessions::default(),
+            seconds: Seconds::default(),
+            space,
+            geometry,
+            grid,
+            stiffness,
+        }
+    }
+
     /// Bytes held.
     pub(crate) fn bytes(&self) -> u64 {
         let pressure = self.pressure.as_ref().map_or(0, |block| {
@@ -156,7 +193,7 @@ impl TaylorHoodData {
 
 /// The cells with their laws, non-dimensional.
 fn strain_grid(plan: &Plan, mesh: &Mesh, grid: &Arc<Grid>) -> StrainGrid {
-    let laws = plan.laws();
+    let laws = plan.laws_at_rest();
     let cells = CellLaws {
         laws: &laws,
         of_cell: &plan.problem.resolved.cell_material,
@@ -166,12 +203,7 @@ fn strain_grid(plan: &Plan, mesh: &Mesh, grid: &Arc<Grid>) -> StrainGrid {
         _ => Simplex::Tetrahedron,
     };
     let rule = rule(simplex, plan.strain_degree());
-    let cells = StrainGrid::new(mesh, grid.clone(), cells, rule);
-    if plan.is_axisymmetric() {
-        cells.about_axis(mesh, plan.problem.units.coordinate_scale)
-    } else {
-        cells
-    }
+    StrainGrid::new(mesh, grid.clone(), cells, rule)
 }
 
 fn geometry_of(plan: &Plan, mesh: &Mesh) -> CellGeometry {
@@ -229,9 +261,11 @@ impl Parts {
         poll: &dyn Fn() -> Result<(), PrepareError>,
     ) -> Result<TaylorHoodData, PrepareError> {
         let is_rubber = plan.problem.resolved.is_rubber();
-        let strain = is_rubber.then(|| Arc::new(strain_grid(plan, mesh, &self.grid)));
-        let turned = strain.as_ref().filter(|_| plan.is_axisymmetric());
+        let is_turned = plan.is_axisymmetric();
+        let cells = (is_rubber || is_turned).then(|| Arc::new(strain_grid(plan, mesh, &self.grid)));
+        let turned = cells.as_ref().filter(|_| is_turned);
         let rest = turned.map(|cells| Rest::new(cells.clone(), &self.space));
+        let strain = cells.filter(|_| is_rubber);
         let body = DisplacementBody {
             mesh,
             space: &self.space,

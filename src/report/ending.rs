@@ -74,6 +74,8 @@ pub enum Cause {
     /// All is in balance, but det F is below zero between the points of the rule: a cell is
     /// inside out, which no body is.
     InsideOut,
+    /// A fluid reaches what must stay dry, or another fluid.
+    Leaks,
 }
 
 impl Cause {
@@ -90,7 +92,7 @@ impl Cause {
     }
 
     /// All, in the order in which they are listed.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Stagnation,
         Self::IterationLimit,
         Self::ActiveSetCycle,
@@ -104,6 +106,7 @@ impl Cause {
         Self::UnstableEquilibrium,
         Self::NegativeJacobian,
         Self::InsideOut,
+        Self::Leaks,
     ];
 
     /// The name used on the wire and in result lines.
@@ -122,6 +125,7 @@ impl Cause {
             Self::UnstableEquilibrium => "unstable_equilibrium",
             Self::NegativeJacobian => "negative_jacobian",
             Self::InsideOut => "inside_out",
+            Self::Leaks => "leaks",
         }
     }
 }

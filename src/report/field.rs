@@ -37,11 +37,18 @@ pub enum FieldName {
     /// `[nodes, 3]`: force that supports and obstacles exert on the body at each node; their
     /// sum over the nodes of a support is its reaction.
     NodalForce,
+    /// `[points, 6]`: contact pressure along the surface in the plane and about an axis: number of
+    /// the obstacle in the scene and of its interval among the contact intervals, both from zero;
+    /// arc length from the start of the surface, contact pressure, place x, y in the deformed body.
+    /// Both ends and the middle of every face under pressure, common ends once. The arc length is
+    /// that of the surface which the pressure is per: deformed for bodies of finite strain. Absent
+    /// in space.
+    ContactPath,
 }
 
 impl FieldName {
     /// Every field, in the order of the documentation.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Displacement,
         Self::Pressure,
         Self::ContactPressure,
@@ -56,6 +63,7 @@ impl FieldName {
         Self::Slip,
         Self::LowestMode,
         Self::NodalForce,
+        Self::ContactPath,
     ];
 
     /// The name used in scenes, on the wire and in VTU files.
@@ -75,6 +83,7 @@ impl FieldName {
             Self::Slip => "slip",
             Self::LowestMode => "lowest_mode",
             Self::NodalForce => "nodal_force",
+            Self::ContactPath => "contact_path",
         }
     }
 

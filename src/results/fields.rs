@@ -1,7 +1,7 @@
 //! Fields of the current state on the uploaded mesh, in the caller's units.
 //!
 //! Values are row-major `[rows, components]`: of vertices and edge midpoints in the order
-//! of the upload, or of cells. Vertices that no cell uses have zeros. Cost: one pass over
+//! of the upload, of cells, or of points along the surface. Vertices that no cell uses have zeros. Cost: one pass over
 //! what the field lives on.
 
 use crate::linalg::vector::norm;
@@ -14,7 +14,7 @@ use crate::results::estimate::cell_estimates;
 use crate::results::finite_strain;
 use crate::results::friction::{friction_traction, slip};
 use crate::results::nodal_force::nodal_force;
-use crate::results::touching::Touching;
+use crate::results::touching::{PATH, Touching};
 use crate::scene::SceneKind;
 
 /// The field `name`; none if the scene has no such field. `mode` is the softest motion
@@ -58,6 +58,7 @@ pub(crate) fn field(
             let pressure = finite_strain::undeformed_pressure(model, state)?;
             (1, touching.at_nodes(&pressure))
         }
+        FieldName::ContactPath => (PATH, touching(model, state)?.path()?),
     };
     Some(FieldData {
         name,
@@ -66,9 +67,15 @@ pub(crate) fn field(
     })
 }
 
-/// The pressures of the volume constraint at the vertices; none in a body without them.
+/// Whether the scene is one of plane stress.
+pub(crate) fn is_sheet(model: &Model<'_>) -> bool {
+    model.plan.problem.resolved.kind == SceneKind::PlaneStress
+}
+
+/// The pressures of the volume constraint at the vertices; none in a body without them, and in a
+/// sheet, whose volume nothing constrains.
 fn pressure(model: &Model<'_>, state: &State) -> Option<Vec<f64>> {
-    if state.pressure.is_empty() {
+    if state.pressure.is_empty() || is_sheet(model) {
         return None;
     }
     let stress = model.plan.problem.units.stress;
@@ -162,8 +169,8 @@ fn centre(model: &Model<'_>) -> [f64; 4] {
     })
 }
 
-/// Mean of det F over one cell; linear bodies report 1 + div u at the middle.
-fn jacobian(model: &Model<'_>, state: &State, cell: usize) -> f64 {
+/// Mean of J over one cell; linear bodies report 1 + div u at the middle.
+pub(crate) fn jacobian(model: &Model<'_>, state: &State, cell: usize) -> f64 {
     if model.plan.problem.resolved.is_rubber() {
         return finite_strain::volume_ratio(model, state, cell);
     }
@@ -171,10 +178,10 @@ fn jacobian(model: &Model<'_>, state: &State, cell: usize) -> f64 {
 }
 
 /// div u at the middle of a cell of a linear body; with the strain across a sheet.
-pub(crate) fn dilation(model: &Model<'_>, state: &State, cell: usize) -> f64 {
+fn dilation(model: &Model<'_>, state: &State, cell: usize) -> f64 {
     let gradient = gradient_at(model, state, cell, &centre(model));
     let inside = gradient[0][0] + gradient[1][1];
-    if model.plan.problem.resolved.kind == SceneKind::PlaneStress {
+    if is_sheet(model) {
         inside * (1.0 + law_of(model, cell).thinning())
     } else {
         inside + gradient[2][2]
@@ -201,7 +208,7 @@ fn stress(model: &Model<'_>, state: &State, cell: usize) -> [f64; 6] {
         Some(rubber) => finite_strain::true_stress(rubber, &gradient, pressure, state.penalty),
         None => law.stress(&gradient, pressure),
     };
-    if model.plan.problem.resolved.kind == SceneKind::PlaneStress {
+    if is_sheet(model) {
         s[2][2] = 0.0;
     }
     [s[0][0], s[1][1], s[2][2], s[0][1], s[1][2], s[2][0]]

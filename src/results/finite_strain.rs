@@ -9,7 +9,7 @@
 
 use crate::element::jacobian::{least_jacobian_bound, sharper_jacobian_bound};
 use crate::element::quadrature::rule;
-use crate::geometry::tensor::{Tensor, plus_unit, product, scaled, transposed, volume_change};
+use crate::geometry::tensor::{Tensor, plus_unit, product, scaled, transposed};
 use crate::linalg::vector::scale;
 use crate::material::Rubber;
 use crate::model::Model;
@@ -36,7 +36,7 @@ pub(crate) fn true_stress(
     pressure: f64,
     penalty: f64,
 ) -> Tensor<f64> {
-    let (gradient, jacobian) = (plus_unit(h), 1.0 + volume_change(h));
+    let (gradient, jacobian) = (plus_unit(h), 1.0 + rubber.volume_change(h));
     let share = penalty * rubber.shear_modulus() * rubber.volume_defect(h, pressure);
     let nominal = rubber.stress(h, pressure + share);
     scaled(jacobian.recip(), &product(&nominal, &transposed(&gradient)))
@@ -51,7 +51,8 @@ pub(crate) fn volume_ratio(model: &Model<'_>, state: &State, cell: usize) -> f64
     for (point, weight) in rule.points.iter().zip(&rule.weights) {
         let share = mean.map_or(1.0, |mean| radius_at(model, cell, point) / mean);
         let share = weight * share * model.prepared.geometry.curves.measure(cell, point);
-        change += share * volume_change(&gradient_at(model, state, cell, point));
+        let gradient = gradient_at(model, state, cell, point);
+        change += share * rubber(model, cell).map_or(0.0, |law| law.volume_change(&gradient));
         whole += share;
     }
     1.0 + change / whole

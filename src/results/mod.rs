@@ -14,6 +14,7 @@ pub(crate) mod estimate;
 pub(crate) mod exerted;
 pub(crate) mod fields;
 pub(crate) mod finite_strain;
+pub(crate) mod fluids;
 pub(crate) mod friction;
 pub(crate) mod geometry_error;
 pub(crate) mod nodal_force;

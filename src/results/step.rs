@@ -23,14 +23,14 @@ use crate::model::values::displacement_at;
 use crate::report::{ObstacleResult, ProbeResult, StepReport, Termination};
 use crate::results::errors::manufactured_errors;
 use crate::results::estimate::{estimate, force_error};
-use crate::results::fields::{dilation, pressure_share};
+use crate::results::fields::{is_sheet, jacobian, pressure_share};
 use crate::results::finite_strain::{jacobian_bound, undeformed_pressure};
+use crate::results::fluids;
 use crate::results::friction::add_friction;
 use crate::results::geometry_error::geometry_error;
 use crate::results::reactions::reactions;
 use crate::results::touch::{Touch, pressed_facets};
 use crate::results::touching::Touching;
-use crate::scene::SceneKind;
 
 /// The report, without what only the session knows.
 pub(crate) fn report(
@@ -61,6 +61,7 @@ pub(crate) fn report(
         max_penetration: ending.max_penetration * units.length,
         obstacles: obstacles(model, state, estimated.as_ref()),
         supports: reactions(model, state, inside.force),
+        fluids: fluids::results(model, state, ending, counters.fluid_rounds),
         probes: probes(model, state),
         error_estimate: estimated.as_ref().map(|estimate| estimate.relative),
         errors,
@@ -110,10 +111,10 @@ fn reported_estimate(model: &Model<'_>, state: &State, ending: &Ending) -> Optio
 fn volume_ratio(model: &Model<'_>, state: &State, inside: &Internal, work: &mut Workspace) -> f64 {
     let volumes = &model.prepared.geometry.volumes;
     let volume: f64 = volumes.iter().sum();
-    if model.plan.problem.resolved.kind == SceneKind::PlaneStress {
+    if is_sheet(model) {
         let cells = volumes.iter().enumerate();
-        let changes = cells.map(|(cell, volume)| volume * dilation(model, state, cell));
-        return 1.0 + changes.sum::<f64>() / volume;
+        let whole = cells.map(|(cell, volume)| volume * jacobian(model, state, cell));
+        return whole.sum::<f64>() / volume;
     }
     let change = match inside.response {
         Some(response) => response.volume_change,

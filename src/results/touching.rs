@@ -22,6 +22,8 @@ use crate::report::{ContactInterval, ObstacleResult};
 
 /// Contact state of vertices that carry no multiplier.
 const NOT_A_CANDIDATE: f64 = -1.0;
+/// Numbers of a point of the pressure's path: obstacle, interval, way, pressure, place [2].
+pub(crate) const PATH: usize = 6;
 
 /// A body on its obstacles.
 pub(crate) struct Touching<'a> {
@@ -119,6 +121,31 @@ impl<'a> Touching<'a> {
             centre_of_pressure: found.centre.map(|x| x * units.length),
             ..ObstacleResult::default()
         }
+    }
+
+    /// The pressure along the surfaces of a plane body or a section `[points, PATH]`; none in space.
+    pub(crate) fn path(&self) -> Option<Vec<f64>> {
+        let units = &self.plan.problem.units;
+        if units.dimension != 2 {
+            return None;
+        }
+        let mut rows = Vec::new();
+        let contacts = self
+            .placed()
+            .filter(|(interface, _)| interface.is_contact());
+        for (number, (interface, _)) in contacts.enumerate() {
+            let surface = &interface.surface;
+            let own = Own::of(interface, self.state);
+            let (coefficients, pressed) = contact::pressed(surface, own.acting([0.0; 3]));
+            for point in contact::path(&self.body, surface, (&coefficients, &pressed)) {
+                let [x, y, _] = point.place.map(|x| x * units.length);
+                let way = point.arc_length * units.length;
+                let pressure = point.pressure * units.stress;
+                let row: [f64; PATH] = [number as f64, point.interval as f64, way, pressure, x, y];
+                rows.extend(row);
+            }
+        }
+        Some(rows)
     }
 
     /// Contact pressure at uploaded vertices, and at edges where it is quadratic.

@@ -259,7 +259,7 @@ fn unheld(model: &Model<'_>, state: &State, is_lost: bool) -> Option<Warning> {
     });
     let is_held = match touching.count() {
         0 => false,
-        1 => !is_lost || state.drive.has_loads(model.plan),
+        1 => !is_lost || has_loads(model, state),
         _ => true,
     };
     (model.plan.is_floating() && !is_held).then(|| {
@@ -271,6 +271,11 @@ fn unheld(model: &Model<'_>, state: &State, is_lost: bool) -> Option<Warning> {
             format!("nothing holds the body: supports leave {modes}, and no obstacle presses it onto another one"),
         )
     })
+}
+
+/// Whether anything but tools and supports presses on the body.
+fn has_loads(model: &Model<'_>, state: &State) -> bool {
+    state.drive.has_loads(model.plan) || state.drive.has_fluid_pressure()
 }
 
 /// Moduli so far apart that the rounding of the stiff part's forces shows in the soft one's.
@@ -309,7 +314,7 @@ fn lost_digits(model: &Model<'_>, state: &State, ending: &Ending, strain: f64) -
     // Gaps, and gradients of rubber, are those of a body of length one. What has come to rest is
     // all rounding.
     let touches = state.status.iter().any(|status| status.is_closed());
-    let is_driven = touches || state.drive.moves_supports() || state.drive.has_loads(model.plan);
+    let is_driven = touches || state.drive.moves_supports() || has_loads(model, state);
     let length = if touches || (model.is_rubber() && is_driven) {
         largest.max(1.0)
     } else {

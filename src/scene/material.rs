@@ -26,7 +26,7 @@ pub enum Formulation {
     Displacement,
 }
 
-/// Isochoric energy of a rubber; i1 and i2 are invariants of F / J^(1/3).
+/// Energy of a rubber, isochoric but of foams; i1 and i2 are invariants of F / J^(1/3).
 #[derive(Clone, Debug, PartialEq)]
 pub enum RubberModel {
     /// Mooney-Rivlin: C10 (i1 − 3) + C01 (i2 − 3).
@@ -76,6 +76,33 @@ pub enum RubberModel {
         /// Locking stretch of the full model, above one.
         locking_stretch: f64,
     },
+    /// Van der Waals: μ {−L (ln(1 − η) + η) − ⅔ a (x/2)^(3/2)}, x = (1 − β) i1 + β i2 − 3,
+    /// η² = x / L, L = λ² − 3.
+    VanDerWaals {
+        /// μ, stress.
+        shear_modulus: f64,
+        /// Locking stretch λ, above √3.
+        locking_stretch: f64,
+        /// Interaction of the chains, at least zero.
+        a: f64,
+        /// Share of the second invariant, from zero to one.
+        beta: f64,
+    },
+    /// Hyperfoam: Σ (2μ/α²) (λ1^α + λ2^α + λ3^α − 3 + (J^(−αβ) − 1)/β) in the stretches of F, with
+    /// β = ν / (1 − 2ν); a foam, which has no bulk modulus beside it.
+    Hyperfoam {
+        /// μ of each term, stress; one to six.
+        mu: Vec<f64>,
+        /// α of each term, not zero; as many.
+        alpha: Vec<f64>,
+        /// ν of each term, above −1 and below ½; as many, or one for all.
+        nu: Vec<f64>,
+    },
+    /// Blatz-Ko: ½ μ (I2/I3 + 2√I3 − 5); a foam, which has no bulk modulus beside it.
+    BlatzKo {
+        /// μ, stress.
+        shear_modulus: f64,
+    },
 }
 
 impl RubberModel {
@@ -89,6 +116,9 @@ impl RubberModel {
             Self::Polynomial { .. } => "polynomial",
             Self::Gent { .. } => "gent",
             Self::ArrudaBoyce { .. } => "arruda-boyce",
+            Self::VanDerWaals { .. } => "van-der-waals",
+            Self::Hyperfoam { .. } => "hyperfoam",
+            Self::BlatzKo { .. } => "blatz-ko",
         }
     }
 }
@@ -112,11 +142,12 @@ pub enum MaterialModel {
         /// A flow is always mixed.
         formulation: Formulation,
     },
-    /// Isochoric energy − p (J − 1) − p²/(2K): −(J − 1) − p/K = 0.
+    /// Isochoric energy − p (J − 1) − p²/(2K): −(J − 1) − p/K = 0. Of a foam the energy less
+    /// K/2 (J − 1)² with a K of the solver's choice in the place of the isochoric one.
     Rubber {
-        /// Isochoric energy.
+        /// Energy.
         model: RubberModel,
-        /// K, stress; `None` or infinite: the volume cannot change.
+        /// K, stress; `None` or infinite: the volume cannot change. `None` of a foam.
         bulk_modulus: Option<f64>,
         /// Rubber is always mixed.
         formulation: Formulation,

@@ -7,8 +7,12 @@
 
 mod choices;
 mod error;
+mod fluid;
+mod goal;
 mod material;
 mod names;
+mod parameter;
+mod questions;
 mod solver;
 mod step;
 pub(crate) mod validate;
@@ -21,7 +25,11 @@ pub use choices::{
     StabilityCheck, UnknownName,
 };
 pub use error::{SceneError, Violation};
+pub use fluid::{Film, Fluid, FluidLoad, FluidTarget, FluidThreshold};
+pub use goal::{Goal, GoalKind, Malformed};
 pub use material::{Formulation, Material, MaterialModel, Modulus, RubberModel};
+pub use parameter::Parameter;
+pub use questions::{GoalErrors, GoalQuestions};
 pub use solver::{SolverOptions, ToleranceRule};
 pub use step::{ObstacleTarget, Step, SupportTarget, TractionTarget};
 pub use values::{ValuePlace, Values};
@@ -31,8 +39,8 @@ pub use values::{ValuePlace, Values};
 pub enum SceneKind {
     /// A body in space, meshed by tetrahedra.
     Solid,
-    /// Triangles in the plane z = 0 that nothing holds across it, per unit thickness: a sheet of
-    /// linear elasticity, sigma_zz = 0.
+    /// Triangles in the plane z = 0 that nothing holds across it, per unit thickness: a
+    /// sheet, sigma_zz = 0.
     PlaneStress,
     /// Triangles in the plane z = 0, per unit thickness.
     PlaneStrain,
@@ -223,6 +231,8 @@ pub struct Scene {
     pub tractions: Vec<Traction>,
     /// Follower pressures of surface groups; they need rubber.
     pub pressures: Vec<Pressure>,
+    /// Fluids that creep in between the body and its obstacles.
+    pub fluids: Vec<Fluid>,
     /// Force per undeformed volume `[3]`.
     pub body_force: [f64; 3],
     /// Force per undeformed volume of each node or cell, on top of `body_force`.
@@ -233,6 +243,8 @@ pub struct Scene {
     pub manufactured: Option<String>,
     /// Points whose values each step reports.
     pub probes: Vec<Probe>,
+    /// Functionals of increments that converge, with what is asked of them.
+    pub questions: Vec<GoalQuestions>,
     /// Numerical settings; the default of every one is right for most scenes.
     pub solver: SolverOptions,
 }

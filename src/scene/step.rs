@@ -3,7 +3,7 @@
 //! Values are from the initial pose, not from the last step: a step says where things are,
 //! so that a step that was cut short can be followed by any other.
 
-use super::Values;
+use super::{FluidTarget, Values};
 
 /// Where one obstacle shall be at the end of a step; `None` keeps its pose.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -94,6 +94,8 @@ pub struct Step {
     pub supports: Vec<SupportTarget>,
     /// New values of tractions; those not named keep theirs, zeros at first.
     pub tractions: Vec<TractionTarget>,
+    /// Where the pressures of fluids lead; those not named keep theirs.
+    pub fluids: Vec<FluidTarget>,
     /// New values of the body force, on top of the constant one; `None` keeps them.
     pub body_force: Option<Values>,
 }
@@ -106,6 +108,7 @@ impl Default for Step {
             obstacles: Vec::new(),
             supports: Vec::new(),
             tractions: Vec::new(),
+            fluids: Vec::new(),
             body_force: None,
         }
     }

@@ -43,6 +43,8 @@ const WITH_RESIDUES: u32 = 4;
 const WITH_FACTOR: u32 = 5;
 /// Of the format with what supports shall exert in every drive, where any shall.
 const WITH_SUPPORTS: u32 = 6;
+/// Of the format with fluids, where a scene has any.
+const WITH_FLUIDS: u32 = 7;
 /// Bytes of a SHA-256 digest.
 const DIGEST: usize = 32;
 /// More steps than any session takes.
@@ -134,6 +136,7 @@ impl Checkpoint {
         let drives = [&self.target, &self.state.drive];
         let drives = drives.into_iter().chain(&self.begun);
         let of_one = |drive: &Drive| match (drive.given == Given::default(), &drive.pushes[..]) {
+            _ if !drive.fluids.is_empty() => WITH_FLUIDS,
             _ if !drive.support_pushes.is_empty() => WITH_SUPPORTS,
             (false, _) => WITH_VALUES,
             (true, [_, ..]) => WITH_PUSHES,
@@ -179,8 +182,8 @@ fn verified(bytes: &[u8]) -> Result<(u32, &[u8]), CheckpointError> {
     let rest = rest.ok_or(CheckpointError::NotACheckpoint)?;
     let (version, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
     let found = u32::from_le_bytes(*version);
-    if !(VERSION..=WITH_SUPPORTS).contains(&found) {
-        let known = WITH_SUPPORTS;
+    if !(VERSION..=WITH_FLUIDS).contains(&found) {
+        let known = WITH_FLUIDS;
         return Err(CheckpointError::UnknownVersion { found, known });
     }
     let (body, written) = rest
@@ -223,6 +226,9 @@ fn visit_state<E>(
     fields.magnitude("penalty", &mut state.penalty)?;
     if version >= WITH_FACTOR {
         fields.flags("factor", from_mut(&mut state.by_factor))?;
+    }
+    for wet in &mut state.wet {
+        fields.flags("wet nodes", wet)?;
     }
     if state.slip.total.is_empty() {
         Ok(())
@@ -274,10 +280,13 @@ fn visit_drive<E>(
         visit_pushes(&mut drive.support_pushes, drive.motions.len(), fields)?;
     }
     if version >= WITH_VALUES {
-        visit_given(&mut drive.given, fields)
-    } else {
-        Ok(())
+        visit_given(&mut drive.given, fields)?;
     }
+    for fluid in &mut drive.fluids {
+        fields.magnitude("pressure of a fluid", &mut fluid.pressure)?;
+        fields.flags("blow-off", from_mut(&mut fluid.to_blow_off))?;
+    }
+    Ok(())
 }
 
 /// Values of other codes; their numbers are those of the mesh that the checkpoint is tied to.

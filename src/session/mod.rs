@@ -7,24 +7,28 @@
 
 pub(crate) mod body;
 pub(crate) mod checkpoint;
+mod refined;
+mod snapshot;
 mod step_run;
 mod taylor_hood;
 
 use std::sync::Arc;
 
+use crate::goals::GoalError;
 use crate::linalg::Workspace;
 use crate::mesh::Mesh;
 use crate::model::counters::Counters;
 use crate::model::drive::Drive;
+use crate::model::ending::Ending;
 use crate::model::state::State;
 use crate::plan::Plan;
 use crate::prepare::Prepared;
 use crate::report::{
-    CancelToken, FieldData, FieldName, IterationRecord, Observer, Seconds, Silent, StepReport,
-    WarningKind,
+    CancelToken, FieldData, FieldName, GoalReport, IterationRecord, Observer, Seconds, Silent,
+    StepReport, Termination, WarningKind,
 };
 use crate::scene::validate::check_step;
-use crate::scene::{SceneError, Step};
+use crate::scene::{GoalQuestions, SceneError, Step};
 use crate::sqp::learned::Learned;
 use crate::sqp::watch::Watch;
 use body::{Advanced, Increment};
@@ -34,6 +38,8 @@ use checkpoint::Checkpoint;
 
 pub use crate::model::drive::ObstaclePose;
 pub use checkpoint::{CheckpointError, Origin, Rounding};
+pub use refined::NotCarried;
+pub use snapshot::Snapshot;
 pub use step_run::{Reuse, StepRun};
 
 /// A state that load steps move.
@@ -199,14 +205,36 @@ impl Session {
     pub fn export(&mut self) -> Vec<u8> {
         self.forget();
         self.previous = None;
+        self.to_bytes()
+    }
+
+    /// The state between two increments as [`Session::export`] writes it; this session stays as it
+    /// is. With what the solver has learnt, which is not in them, it goes on with other bits than
+    /// a session of these bytes, unless it has just forgotten that ([`Session::forget`]).
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.checkpoint().encode(self.plan())
+    }
+
+    /// The bytes of a session of `plan` before its first step.
+    pub fn at_rest(plan: &Plan) -> Vec<u8> {
         let checkpoint = Checkpoint {
+            state: State::undeformed(plan),
+            target: Drive::first_target(plan),
+            begun: None,
+            steps: 0,
+            moved: false,
+        };
+        checkpoint.encode(plan)
+    }
+
+    fn checkpoint(&self) -> Checkpoint {
+        Checkpoint {
             state: self.state.clone(),
             target: self.target.clone(),
             begun: self.begun.clone(),
             steps: self.steps,
             moved: self.moved,
-        };
-        checkpoint.encode(self.plan())
+        }
     }
 
     /// Forgets what the solver has learnt, as [`Session::export`] does, and writes nothing: the
@@ -319,15 +347,41 @@ impl Session {
         if is_stopped {
             self.stop();
         }
+        if advanced.ending.leak.is_some() {
+            self.end_at_blow_off(&advanced.ending);
+        }
         step.finish(number, &advanced.ending, &advanced.counters);
         let time = step.time(number, advanced.part);
         let mut report = self.report(time, advanced);
+        if report.termination == Termination::Converged {
+            self.add_goals(&mut report, cancel);
+        }
         if step.upcoming().is_some() {
             // What is on its way may touch at the end.
             let warnings = &mut report.warnings;
             warnings.retain(|warning| warning.kind != WarningKind::UntouchedObstacle);
         }
         Some(report)
+    }
+
+    /// Adds the answers to the questions of the scene.
+    fn add_goals(&self, report: &mut StepReport, cancel: &CancelToken) {
+        for questions in &self.plan().scene().questions {
+            match self.answer(questions, cancel) {
+                Ok(mut goals) => report.goals.append(&mut goals),
+                Err(error) => {
+                    report.goals_refused.get_or_insert(error.to_string());
+                }
+            }
+        }
+    }
+
+    /// Lets the next step start from where a fluid was about to leak, where that was sought.
+    fn end_at_blow_off(&mut self, ending: &Ending) {
+        if ending.termination == Termination::Converged {
+            self.target = self.state.drive.clone();
+            self.begun = None;
+        }
     }
 
     /// Ends a step before its end: what follows starts from the state that is
@@ -398,6 +452,22 @@ impl Session {
         self.work = self.body.complete(increment);
     }
 
+    /// Values and derivatives of functionals of the current state, which the last increment has
+    /// converged to. Changes no later bit. Cost: one solve on the contacts as they are for each goal,
+    /// six evaluations of the residuals for each parameter.
+    ///
+    /// # Errors
+    /// [`GoalError`] for names that the scene does not have, states that are no equilibrium or that
+    /// depend on their way, and where it was cancelled.
+    pub fn answer(
+        &self,
+        questions: &GoalQuestions,
+        cancel: &CancelToken,
+    ) -> Result<Vec<GoalReport>, GoalError> {
+        let at = (&self.state, &self.learned);
+        self.body.answer(at, questions, cancel)
+    }
+
     /// A field of the current state; none if the scene has no such field.
     pub fn field(&self, name: FieldName) -> Option<FieldData> {
         self.body.field((&self.state, &self.learned), name)
@@ -408,6 +478,17 @@ impl Session {
         let previous = self.previous.as_ref().map_or(0, State::bytes);
         let moving = self.state.bytes() + self.learned.bytes() + previous;
         moving + self.work.bytes() + self.body.bytes()
+    }
+
+    /// Number of steps begun so far, those before a checkpoint included.
+    pub fn steps(&self) -> u32 {
+        self.steps
+    }
+
+    /// Whether the response of the body at the contact surface, if it shall be kept, is among
+    /// [`Session::bytes`] already, or was found not to fit.
+    pub fn has_tried_response(&self) -> bool {
+        self.learned.has_tried_response()
     }
 
     /// Current poses of all obstacles.

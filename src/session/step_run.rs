@@ -71,7 +71,7 @@ impl StepRun {
     /// Notes how an increment ended, and what it took.
     pub(crate) fn finish(&mut self, increment: u32, ending: &Ending, counters: &Counters) {
         self.done = increment;
-        self.finished = ending.termination != Termination::Converged;
+        self.finished = ending.termination != Termination::Converged || ending.leak.is_some();
         self.seconds += counters.start.elapsed().as_secs_f64();
     }
 
@@ -110,6 +110,7 @@ mod tests {
             supports: Vec::new(),
             motions: Vec::new(),
             given: Default::default(),
+            fluids: Vec::new(),
         };
         let converged = Ending::converged();
         let mut step = StepRun::new(rest.clone(), rest, 3);

@@ -8,10 +8,12 @@ use std::sync::Arc;
 use super::body::{Advanced, Increment, Shared};
 use crate::continuation;
 use crate::diagnosis::site::locate;
+use crate::goals::{self, GoalError};
 use crate::linalg::Workspace;
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::model::conditions::Conditions;
+use crate::model::counters::Counters;
 use crate::model::drive::Drive;
 use crate::model::friction::{SlipStart, note_slip};
 use crate::model::interfaces::Interfaces;
@@ -21,7 +23,9 @@ use crate::model::state::{Start, State};
 use crate::plan::Plan;
 use crate::precond::p_multigrid::LANCZOS_STEPS;
 use crate::prepare::TaylorHoodData;
-use crate::report::{FieldData, FieldName, StepReport};
+use crate::report::{
+    CancelToken, FieldData, FieldName, GoalReport, IterationRecord, Silent, StepReport,
+};
 use crate::results::coarse_turn::coarse_turns;
 use crate::results::coarse_volume::coarse_volume;
 use crate::results::contact_alone;
@@ -29,10 +33,12 @@ use crate::results::exerted::applied;
 use crate::results::touch::Touch;
 use crate::results::warnings::{coarse_facets, warnings};
 use crate::results::{fields, step};
+use crate::scene::GoalQuestions;
 use crate::sqp::condensation::inside;
 use crate::sqp::increment;
 use crate::sqp::learned::Learned;
 use crate::sqp::run::Run;
+use crate::sqp::watch::Watch;
 use crate::verify;
 
 /// A body of Taylor-Hood elements.
@@ -63,7 +69,7 @@ impl TaylorHoodBody {
     }
 
     /// The body as an increment or a report reads it, at the tolerance of the scene.
-    fn model(&self) -> Model<'_> {
+    pub(super) fn model(&self) -> Model<'_> {
         Model {
             plan: &self.plan,
             mesh: &self.mesh,
@@ -195,6 +201,32 @@ impl TaylorHoodBody {
     pub(super) fn count_preparation(&self, report: &mut StepReport) {
         report.eigenvalue_applications += LANCZOS_STEPS as u32;
         report.compliance_columns = self.prepared.at_rest.compliance.columns() as u32;
+    }
+
+    /// Answers questions about `state` with a copy of what the solver has learnt on the way there.
+    ///
+    /// # Errors
+    /// [`GoalError`].
+    pub(super) fn answer(
+        &self,
+        (state, learned): (&State, &Learned),
+        questions: &GoalQuestions,
+        cancel: &CancelToken,
+    ) -> Result<Vec<GoalReport>, GoalError> {
+        let whole = inside::completed(&self.model(), state, learned);
+        let mut increment = Increment {
+            state: &mut whole.unwrap_or_else(|| state.clone()),
+            learned: &mut learned.copy(),
+            watch: Watch {
+                observer: &mut Silent,
+                cancel,
+                seconds_left: None,
+                record: IterationRecord::default(),
+            },
+            counters: Counters::new(),
+            work: Workspace::new(),
+        };
+        goals::answer(&mut self.run(&mut increment), questions)
     }
 
     /// A field of `state` with what the solver has learnt on the way there; none if the scene has

@@ -273,6 +273,7 @@ pub(crate) fn ending(
         snapped: None,
         site: None,
         alternative: None,
+        leak: None,
     }
 }
 

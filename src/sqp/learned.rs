@@ -93,10 +93,41 @@ impl Learned {
         };
     }
 
+    /// A copy of what later bits depend on.
+    pub(crate) fn copy(&self) -> Self {
+        Self {
+            directions: self.directions.clone(),
+            refresh: self.refresh.clone(),
+            factored: self.factored.clone(),
+            lowest_mode: self.lowest_mode.clone(),
+            trend: self.trend.clone(),
+            linearised: self.linearised.clone(),
+            layout: None,
+            under_pushes: self.under_pushes.clone(),
+            converged: self.converged,
+            response: Known::Nothing,
+        }
+    }
+
+    /// Knows what a copy does, and what is a function of the body alone as before.
+    pub(crate) fn take_up(&mut self, copy: &Self) {
+        let (layout, response) = (self.layout.take(), std::mem::take(&mut self.response));
+        *self = Self {
+            layout,
+            response,
+            ..copy.copy()
+        };
+    }
+
     /// What the saddle point is assembled and ordered by, made when first asked for.
     pub(crate) fn layout(&mut self, model: &Model<'_>) -> Arc<SaddleLayout> {
         let new = || SaddleLayout::new(model).into();
         self.layout.get_or_insert_with(new).clone()
+    }
+
+    /// Whether the response of the body was made, or does not fit.
+    pub(crate) fn has_tried_response(&self) -> bool {
+        !matches!(self.response, Known::Nothing)
     }
 
     /// Bytes held.

@@ -16,7 +16,7 @@ constants! {
 }
 
 /// The approximate inverse in use and what it costs.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PreconditionerRefresh {
     /// The approximate inverse made last; none stands for that at rest.
     made: Option<Arc<ApproximateInverse>>,

@@ -24,7 +24,7 @@ constants! {
 /// they have seen says nothing of what comes.
 pub(super) fn forget_scales(run: &mut Run<'_>) {
     let state = &mut *run.state;
-    let is_loaded = state.drive.has_loads(run.model.plan) && state.drive.load != 0.0;
+    let is_loaded = state.drive.is_loaded(run.model.plan);
     if !touches(state) && !is_loaded && !state.drive.moves_supports() {
         state.scales = QpScales::default();
     }

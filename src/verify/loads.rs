@@ -23,7 +23,10 @@ const CURVED_DEGREE: u32 = 6;
 /// Exact for cof F N times quadratic functions, at every radius.
 const PRESSURE_DEGREE: u32 = 5;
 
-/// All loads at the state's load factor, `[nodes, 3]`.
+/// The same times a quadratic function.
+const FLUID_DEGREE: u32 = 7;
+
+/// All loads at the state's load factor, and fluids, `[nodes, 3]`.
 pub(crate) fn external_load(model: &Model<'_>, state: &State, nodal: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mut force = vec![[0.0; 3]; model.prepared.space.nodes()];
     let field = model.plan.problem.resolved.manufactured.as_ref();
@@ -63,6 +66,11 @@ pub(crate) fn external_load(model: &Model<'_>, state: &State, nodal: &[[f64; 3]]
     force
         .iter_mut()
         .for_each(|row| *row = scale(state.drive.load, *row));
+    let pushed = Pushed {
+        rule: &rule(facet, FLUID_DEGREE),
+        ..pushed
+    };
+    pushed.add_fluids(state, &mut force);
     force
 }
 

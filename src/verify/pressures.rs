@@ -9,9 +9,10 @@ use super::cell::{Cell, facet_area, positions};
 use super::rubber::Deformed;
 use super::{shapes, turn};
 use crate::element::quadrature::Rule;
-use crate::geometry::vector3::dot;
+use crate::geometry::vector3::{dot, scale};
 use crate::mesh::CurvedFacet;
 use crate::model::Model;
+use crate::model::state::State;
 
 /// A body under pressures, deformed by the Lagrange displacement `nodal` `[nodes, 3]`.
 pub(crate) struct Pushed<'a, 'm> {
@@ -28,12 +29,43 @@ impl Pushed<'_, '_> {
     pub(crate) fn add_pressures(&self, force: &mut [[f64; 3]]) {
         for pressure in &self.model.plan.problem.resolved.pressures {
             for &facet in &pressure.facets {
-                self.add_facet(facet as usize, pressure.value, force);
+                self.add_facet(facet as usize, &|_, _| pressure.value, force);
             }
         }
     }
 
-    fn add_facet(&self, facet: usize, pressure: f64, force: &mut [[f64; 3]]) {
+    /// Adds the fluids of `state`: over a wet node its pressure times L^2, over a wet edge times
+    /// 2 L L.
+    pub(crate) fn add_fluids(&self, state: &State, force: &mut [[f64; 3]]) {
+        let problem = &self.model.plan.problem;
+        let fluids = problem.resolved.fluids.iter().zip(&problem.fluid_surfaces);
+        let states = state.drive.fluids.iter().zip(&state.wet);
+        for ((fluid, surface), (drive, wet)) in fluids.zip(states) {
+            let is_wet = |node: u32| {
+                let place = surface.nodes.binary_search(&node);
+                place.is_ok_and(|place| wet[place])
+            };
+            let pressure = |nodes: &[u32], l: &[f64]| {
+                let corners = l.iter().map(|l| l * l);
+                let pairs = (0..l.len()).flat_map(|a| (a + 1..l.len()).map(move |b| (a, b)));
+                let edges = pairs.map(|(a, b)| 2.0 * l[a] * l[b]);
+                let shares = corners.chain(edges).zip(nodes);
+                let wetted = shares.filter(|(_, node)| is_wet(**node));
+                drive.pressure * wetted.map(|(share, _)| share).sum::<f64>()
+            };
+            for &facet in &fluid.facets {
+                self.add_facet(facet as usize, &pressure, force);
+            }
+        }
+    }
+
+    /// Adds a pressure that depends on the nodes of the facet and barycentric coordinates.
+    fn add_facet(
+        &self,
+        facet: usize,
+        pressure: &dyn Fn(&[u32], &[f64]) -> f64,
+        force: &mut [[f64; 3]],
+    ) {
         let model = self.model;
         let vertices = model.mesh.facet(facet);
         let corners = positions(model, vertices);
@@ -49,8 +81,12 @@ impl Pushed<'_, '_> {
             let point = cell.point(&in_cell[..=vertices.len()], self.nodal);
             let cofactor = Deformed::new(&point.gradient).cofactor;
             let area = curve.as_ref().map_or(flat, |curve| curve.area_vector(l));
-            let factor = -pressure * weight * turn(model, point.place[0]);
-            let push = cofactor.map(|row| factor * dot(row, area));
+            let factor = -pressure(&nodes, l) * weight * turn(model, point.place[0]);
+            let push = if model.is_rubber() {
+                cofactor.map(|row| factor * dot(row, area))
+            } else {
+                scale(factor, area)
+            };
             let (values, _) = shapes(l, &[], pairs);
             for (&node, shape) in nodes.iter().zip(&values) {
                 (0..3).for_each(|i| force[node as usize][i] += shape * push[i]);

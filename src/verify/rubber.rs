@@ -5,6 +5,7 @@
 //! P = sum_k tau_k n_k n_k^T F^-T - p J F^-T,   tau_k = sum_i mu_i (m_k^alpha_i - mean over k)
 //! ```
 //!
+//! of foams tau_k = sum_i 2 mu_i / alpha_i (l_k^alpha_i - J^(-alpha_i beta_i)) - k (J - 1) J,
 //! (Holzapfel, Nonlinear Solid Mechanics, 6.4-6.5), n_k and m_k from b = F F^T. Where
 //! F is near I it loses digits that the solver keeps: in stress, a unit in the last
 //! place of the modulus.
@@ -12,10 +13,14 @@
 use crate::geometry::symmetric::Spectrum;
 use crate::geometry::tensor::{Tensor, contract, plus, product, scaled, trace, transposed};
 use crate::geometry::vector3::{cross, dot};
-use crate::material::{InvariantLaw, Isochoric, Ogden, POWERS, Potential, Rubber};
+use crate::material::{
+    FoamTerm, Hyperfoam, InvariantLaw, Isochoric, Ogden, POWERS, Potential, Rubber, Sheet,
+};
 
 /// Share of Gent's limit from which on the law goes on along its tangent.
 const GENT_LAST: f64 = 0.999;
+/// The same of the limit of the van der Waals network.
+const VAN_DER_WAALS_LAST: f64 = 0.999;
 
 /// A deformation gradient with what the formulas name.
 pub(crate) struct Deformed {
@@ -54,8 +59,48 @@ impl Deformed {
             Isochoric::Invariants(law) => self.of_invariants(law),
             Isochoric::Ogden(law) => self.of_stretches(law),
             Isochoric::Potential(law) => self.of_slopes(|first, second| slopes(law, first, second)),
+            Isochoric::Hyperfoam(law) => self.of_foam(law),
+            Isochoric::Sheet(law) => self.of_a_sheet(law),
         };
         plus(&isochoric, -pressure, &self.cofactor)
+    }
+
+    /// P of the body as thick as P33 = 0 makes it, less k (det F - 1) d det F / dF.
+    fn of_a_sheet(&self, sheet: &Sheet<Isochoric>) -> Tensor<f64> {
+        let body = &Rubber {
+            isochoric: sheet.body().clone(),
+            inverse_bulk: sheet.inverse_bulk(),
+        };
+        let area = self.cofactor[2][2];
+        let at = |thickness: f64| {
+            let mut h = self.f;
+            (0..2).for_each(|i| h[i][i] -= 1.0);
+            h[2][2] = thickness - 1.0;
+            Self::new(&h)
+        };
+        let across = |thickness: f64, pressure: f64| at(thickness).stress(body, pressure)[2][2];
+        let (thickness, pressure) = if body.inverse_bulk == 0.0 {
+            let thickness = 1.0 / area;
+            (thickness, across(thickness, 0.0) / area)
+        } else {
+            // P33 grows with the thickness.
+            let pressure = |thickness: f64| (1.0 - area * thickness) / body.inverse_bulk;
+            let (mut least, mut most) = (1e-3, 1e3);
+            for _ in 0..200 {
+                let middle = 0.5 * (least + most);
+                if across(middle, pressure(middle)) < 0.0 {
+                    least = middle;
+                } else {
+                    most = middle;
+                }
+            }
+            (least, pressure(least))
+        };
+        let stress = at(thickness).stress(body, pressure);
+        let carried = sheet.carried() * (area - 1.0);
+        let mut stress = plus(&stress, -carried, &self.cofactor);
+        (0..3).for_each(|i| (stress[i][2], stress[2][i]) = (0.0, 0.0));
+        stress
     }
 
     fn inverse_transposed(&self) -> Tensor<f64> {
@@ -84,6 +129,24 @@ impl Deformed {
         let turned = plus(&turned, -1.0, &product(&self.f, &stretch));
         let turned = plus(&turned, -2.0 * second / 3.0, &inverse);
         plus(&stress, 2.0 * by_second * third * third, &turned)
+    }
+
+    fn of_foam(&self, law: &Hyperfoam) -> Tensor<f64> {
+        let spectrum = Spectrum::new(&product(&self.f, &transposed(&self.f)));
+        let carried = law.carried() * self.dilation * self.jacobian;
+        let mut stress = [[0.0; 3]; 3];
+        for (k, square) in spectrum.values.iter().enumerate() {
+            let of_term = |term: &FoamTerm| {
+                let held = self.jacobian.powf(-term.exponent * term.beta);
+                let grown = square.powf(0.5 * term.exponent);
+                2.0 * term.modulus / term.exponent * (grown - held)
+            };
+            let whole: f64 = law.terms().iter().map(of_term).sum();
+            let n = spectrum.direction(k);
+            let dyad = n.map(|a| n.map(|b| a * b));
+            stress = plus(&stress, whole - carried, &dyad);
+        }
+        product(&stress, &self.inverse_transposed())
     }
 
     fn of_stretches(&self, law: &Ogden) -> Tensor<f64> {
@@ -138,15 +201,39 @@ fn slopes(law: &Potential, first: f64, second: f64) -> [f64; 2] {
             let slope = terms.map(|(i, a)| f64::from(i) * a * (first / square).powi(i - 1));
             [law.modulus * slope.sum::<f64>(), 0.0]
         }
+        Potential::VanDerWaals(law) => {
+            let limit = law.locking_stretch * law.locking_stretch - 3.0;
+            let share = law.second_share;
+            let x = ((1.0 - share) * first + share * second - 3.0).max(0.0);
+            let within = x.min(VAN_DER_WAALS_LAST * limit);
+            let eta = (within / limit).sqrt();
+            let mut slope = 1.0 / (1.0 - eta) - law.interaction * (0.5 * within).sqrt();
+            if x > within {
+                let chains = 1.0 / ((1.0 - eta).powi(2) * 2.0 * (limit * within).sqrt());
+                slope += (x - within) * (chains - 0.5 * law.interaction / (2.0 * within).sqrt());
+            }
+            let slope = 0.5 * law.shear_modulus * slope;
+            [(1.0 - share) * slope, share * slope]
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::OgdenTerm;
+    use crate::material::{OgdenTerm, blatz_ko};
 
     const H: Tensor<f64> = [[0.3, -0.2, 0.3], [0.15, 0.2, -0.25], [-0.3, 0.1, -0.35]];
+
+    fn foams() -> [Hyperfoam; 2] {
+        let terms = [(0.7, 2.6, 0.3), (0.2, -1.3, 0.0)];
+        let terms = terms.map(|(modulus, exponent, beta)| FoamTerm {
+            modulus,
+            exponent,
+            beta,
+        });
+        [Hyperfoam::new(terms.to_vec()), blatz_ko(0.8)]
+    }
 
     fn rubbers() -> Vec<Rubber> {
         let (c10, c01, c20, c30) = (0.4, 0.1, 0.05, 0.02);
@@ -164,6 +251,7 @@ mod tests {
             isochoric,
             inverse_bulk: 0.1,
         })
+        .chain(foams().map(Rubber::of_foam))
         .collect()
     }
 

@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::assembly::follower::{FollowerPressure, PressedBody, SurfaceMeasure, add_follower_load};
+use crate::assembly::follower::{
+    FollowerPressure, PressedBody, PressureValues, SurfaceMeasure, add_follower_load,
+};
 use crate::element::quadrature::{Simplex, rule};
 use crate::linalg::vector::reproducible_noise;
 use crate::mesh::{GroupKind, Mesh, samples};
@@ -196,7 +198,9 @@ fn the_formula_of_nanson_gives_the_load_of_deformed_faces() {
         };
         let pressures = [FollowerPressure {
             facets: &body.plan.problem.resolved.pressures[0].facets,
-            pressure: body.plan.problem.resolved.pressures[0].value / units.stress,
+            pressure: PressureValues::Uniform(
+                body.plan.problem.resolved.pressures[0].value / units.stress,
+            ),
         }];
         let mut load = vec![0.0; state.displacement.len()];
         add_follower_load(&pressed, &pressures, &mut load);

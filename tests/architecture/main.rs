@@ -40,6 +40,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("element", &["geometry"]),
     ("mesh", &["element", "geometry"]),
     ("space", &["mesh", "element", "linalg", "geometry"]),
+    ("fluid", &["space", "mesh", "geometry"]),
     ("material", &["geometry"]),
     ("obstacle", &["parallel", "geometry"]),
     (
@@ -55,6 +56,10 @@ const ROOMS: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "pairs",
+        &["parallel", "contact", "space", "mesh", "element"],
+    ),
+    (
         "proximity",
         &[
             "parallel", "contact", "space", "obstacle", "linalg", "assembly", "mesh", "element",
@@ -67,6 +72,7 @@ const ROOMS: &[(&str, &[&str])] = &[
 /// the solver reads results, results never the solver.
 const HALL: &[(&str, &[&str])] = &[
     ("scene", &["results"]),
+    ("calibration", &["results"]),
     ("comparisons", &["results"]),
     ("plan", &["results"]),
     ("prepare", &["results"]),
@@ -86,7 +92,9 @@ const HALL: &[(&str, &[&str])] = &[
             "continuation",
         ],
     ),
+    ("goals", &[]),
     ("verify", &SOLVER),
+    ("refinement", &REFINEMENT),
     ("session", &[]),
 ];
 
@@ -97,6 +105,16 @@ const SOLVER: [&str; 5] = [
     "diagnosis",
     "force_control",
     "continuation",
+];
+
+/// What the refinement of a mesh and of a state has nothing to do with.
+const REFINEMENT: [&str; 6] = [
+    "sqp",
+    "stability",
+    "diagnosis",
+    "force_control",
+    "continuation",
+    "results",
 ];
 
 /// Root files of the crates; one whose crate is not there counts as empty.

@@ -57,12 +57,15 @@ fn a_block_under_a_sphere_has_the_published_force() {
 
 #[test]
 fn a_bonded_cube_of_rubber_has_the_published_force() {
-    let (mut scene, step) = bonded_cube();
+    let (mut scene, mut step) = bonded_cube();
     scene.solver.quadrature_degree = Some(8);
     scene.solver.tolerance = 1e-10;
     let exact = &references()["mr-block"]["cube_n6"]["degree_8"];
+    // Of an equilibrium it does not matter in how many increments it is come to: every second one.
+    step.increments /= 2;
     let reports = solve(&scene, &[step], &mesh(cube(6)));
-    for (report, exact) in reports.iter().zip(exact.as_array().expect("steps")) {
+    let exact = exact.as_array().expect("steps").iter();
+    for (report, exact) in reports.iter().zip(exact.skip(1).step_by(2)) {
         assert_converged(report);
         let force = only_force(report)[2].abs();
         assert!(close(force, number(exact, "force"), 1e-7), "{force}");
@@ -85,8 +88,17 @@ fn box_of_rubber(bulk_modulus: f64) -> Scene {
     scene
 }
 
-/// The lid as an obstacle, and as a support.
+/// The lid as an obstacle, and as a support; the certificate is that of a factor.
 fn lids(bulk_modulus: f64, squeeze: f64, mesh: &Arc<Mesh>) -> [StepReport; 2] {
+    under_lids((bulk_modulus, squeeze), StabilityCheck::Exact, mesh)
+}
+
+/// The same with any certificate.
+fn under_lids(
+    (bulk_modulus, squeeze): (f64, f64),
+    stability: StabilityCheck,
+    mesh: &Arc<Mesh>,
+) -> [StepReport; 2] {
     let mut pressed = box_of_rubber(bulk_modulus);
     pressed.obstacles = vec![press("z1")];
     let down = push("press", [0.0, 0.0, -squeeze]);
@@ -94,7 +106,7 @@ fn lids(bulk_modulus: f64, squeeze: f64, mesh: &Arc<Mesh>) -> [StepReport; 2] {
     held.supports.push(support("z1", [None, None, Some(0.0)]));
     let pulled = pull("z1", [None, None, Some(-squeeze)], 1);
     for scene in [&mut pressed, &mut held] {
-        scene.solver.stability = Choice::Named(StabilityCheck::Exact);
+        scene.solver.stability = Choice::Named(stability);
     }
     [(pressed, down), (held, pulled)].map(|(scene, step)| solve_one(&scene, &step, mesh))
 }
@@ -131,7 +143,8 @@ fn a_confined_block_carries_any_pressure_on_an_obstacle_as_on_a_support() {
 fn a_fine_confined_block_costs_no_more_under_high_pressure() {
     // 100 and 200 shear moduli.
     for (bulk_modulus, squeeze) in [(1e3, 0.2), (1e4, 0.01)] {
-        let [pressed, held] = lids(bulk_modulus, squeeze, &mesh(cube(8)));
+        let off = StabilityCheck::Off;
+        let [pressed, held] = under_lids((bulk_modulus, squeeze), off, &mesh(cube(8)));
         let counts = [&pressed, &held].map(|report| report.preconditioner_applications);
         assert!(counts[0] <= 2 * counts[1], "{bulk_modulus}: {counts:?}");
     }

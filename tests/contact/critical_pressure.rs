@@ -21,7 +21,7 @@ use signorini::{Mesh, MeshParts, Scene, StepReport};
 const BULK_MODULUS: f64 = 1e4;
 /// Shear moduli of pressure at the end of the step, and its increments.
 const PRESSURE: f64 = 3.0;
-const INCREMENTS: u32 = 30;
+const INCREMENTS: u32 = 12;
 
 /// The unit square or cube on rollers at all sides but the upper one, whose lid is an
 /// obstacle.

@@ -1,15 +1,18 @@
 //! How far contact extends and where it presses most: against Hertz, on surfaces of five to ten
-//! facets across half the contact, of two crests, and where contact fills the surface.
+//! facets across half the contact, of two crests, and where contact fills the surface; the pressure
+//! along the surface.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use crate::common::meshes::{cube, half_space, irregular, mesh, moved, unit_grid};
-use crate::common::scenes::{HELD, bonded_cube, elastic, obstacle, plane, push, rollers, support};
-use crate::common::{close, solve, solve_one};
+use crate::common::meshes::{cube, half_space, irregular, mesh, moved, square, unit_grid};
+use crate::common::scenes::{
+    HELD, bonded_cube, elastic, obstacle, plane, push, rollers, rubber, support,
+};
+use crate::common::{close, run, run_one, solve_one};
 use signorini::report::ObstacleResult;
-use signorini::scene::{Choice, ContactSpace, Shape};
-use signorini::{Mesh, Scene};
+use signorini::scene::{Choice, ContactSpace, RubberModel, SceneKind, Shape};
+use signorini::{FieldName, Mesh, Scene, Session};
 
 /// Young's modulus of bodies of shear modulus one, over 1 - nu^2.
 fn modulus(poisson_ratio: f64) -> f64 {
@@ -138,7 +141,9 @@ fn a_surface_of_two_crests_is_pressed_in_two_intervals() {
     scene.supports = vec![support("y0", [Some(0.0), Some(0.0), None])];
     let down = plane([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]);
     scene.obstacles = vec![obstacle("tool", "y1", down)];
-    let tool = pressed(&scene, 0.01, &mesh(moved(unit_grid(40, 20), crests)));
+    let body = mesh(moved(unit_grid(40, 20), crests));
+    let (session, report) = run_one(&scene, &push("tool", [0.0, -0.01, 0.0]), &body);
+    let tool = report.obstacles["tool"].clone();
     let [right, left] = tool.contact_intervals[..] else {
         panic!("two intervals: {:?}", tool.contact_intervals);
     };
@@ -152,16 +157,28 @@ fn a_surface_of_two_crests_is_pressed_in_two_intervals() {
     }
     let force = left.force[1] + right.force[1];
     assert!(close(force, tool.force[1], 1e-12), "{force}");
+    let path = path(&session);
+    assert!(path.is_sorted_by(|a, b| a[2] < b[2] && a[1] <= b[1]));
+    for (number, interval) in [right, left].iter().enumerate() {
+        let own: Vec<_> = path
+            .iter()
+            .filter(|row| (row[1] - number as f64).abs() < 0.5)
+            .copied()
+            .collect();
+        let x = 0.5 * (own[0][4] + own[own.len() - 1][4]);
+        let middle = 0.5 * (interval.start[0] + interval.end[0]);
+        assert!((x - middle).abs() < 0.03, "{interval:?}");
+        let force = integral(&own, |_| 1.0);
+        assert!(close(force, -interval.force[1], 1e-9), "{force}");
+    }
 }
 
 #[test]
 fn a_tool_that_touches_nothing_has_no_extent() {
     let scene = indented(2, 0.5, 1.0);
-    let report = solve_one(
-        &scene,
-        &push("tool", [0.0, 0.1, 0.0]),
-        &mesh(half_space(2, 4, 2.0, &[])),
-    );
+    let body = mesh(half_space(2, 4, 2.0, &[]));
+    let (session, report) = run_one(&scene, &push("tool", [0.0, 0.1, 0.0]), &body);
+    assert!(path(&session).is_empty());
     let tool = &report.obstacles["tool"];
     assert_eq!(
         (tool.deformed_contact_area, tool.contact_width),
@@ -170,7 +187,92 @@ fn a_tool_that_touches_nothing_has_no_extent() {
     assert_eq!((tool.peak_pressure, tool.peak_pressure_place), (0.0, None));
     assert!(tool.contact_intervals.is_empty() && tool.mean_pressure.is_none());
     let (scene, step) = bonded_cube();
-    let reports = solve(&scene, &[step], &mesh(cube(2)));
+    let (session, reports) = run(&scene, &[step], &mesh(cube(2)));
+    assert!(session.field(FieldName::ContactPath).is_none());
     let widths = reports.iter().flat_map(|report| report.obstacles.values());
     assert!(widths.clone().count() > 0 && widths.map(|one| one.contact_width).all(|w| w.is_none()));
+}
+
+/// Obstacle, interval, arc length, pressure and place of the points along the surface.
+fn path(session: &Session) -> Vec<[f64; 6]> {
+    let field = session.field(FieldName::ContactPath).expect("a section");
+    assert_eq!(field.components, 6);
+    field.values.as_chunks().0.to_vec()
+}
+
+/// int weight p ds by Simpson's rule over the faces of one interval, which have a point in common
+/// each two.
+fn integral(path: &[[f64; 6]], weight: impl Fn(&[f64; 6]) -> f64) -> f64 {
+    let value = |row: &[f64; 6]| weight(row) * row[3];
+    let faces = path.windows(3).step_by(2);
+    let parts = faces.map(|face| {
+        let sum = value(&face[0]) + 4.0 * value(&face[1]) + value(&face[2]);
+        (face[2][2] - face[0][2]) / 6.0 * sum
+    });
+    parts.sum()
+}
+
+/// p = p0 sqrt(1 - x^2 / a^2) under a cylinder, from the force alone: within three hundredths of p0
+/// but for the last facet at the edge.
+#[test]
+fn the_pressure_along_the_surface_is_the_half_ellipse_of_hertz() {
+    let (ratio, depth, half_width) = (0.3, 0.001, 5.0);
+    let body = mesh(half_space(2, 36, half_width, &[]));
+    for space in [ContactSpace::Quadratic, ContactSpace::Linear] {
+        let mut scene = indented(2, ratio, 1.0);
+        scene.solver.contact_space = Choice::Named(space);
+        let (session, report) = run_one(&scene, &push("tool", [0.0, -depth, 0.0]), &body);
+        let tool = &report.obstacles["tool"];
+        let half = (4.0 * tool.force[1].abs() / (PI * modulus(ratio))).sqrt();
+        let peak = 2.0 * tool.force[1].abs() / (PI * half);
+        let path = path(&session);
+        assert!(path.len() > 20 && path.len() % 2 == 1, "{}", path.len());
+        let facet = path[2][2] - path[0][2];
+        for [_, interval, way, pressure, x, y] in path.iter().copied() {
+            let exact = peak * (1.0 - (x / half).powi(2)).max(0.0).sqrt();
+            let is_inside = x.abs() < half - facet;
+            assert!(
+                !is_inside || (pressure - exact).abs() < 0.03 * peak,
+                "{x} {pressure} {exact}"
+            );
+            assert!(interval.abs() < 0.5, "{interval}");
+            // The surface begins at its right end and has moved by little.
+            let from_right = path[0][2] + path[0][4] - x;
+            assert!((way - from_right).abs() < depth && y.abs() < 2.0 * depth);
+        }
+        let mean = tool.mean_pressure.expect("contact");
+        let force = mean * tool.deformed_contact_area;
+        assert!(close(integral(&path, |_| 1.0), force, 1e-12), "{force}");
+        let largest = path.iter().map(|row| row[3]).fold(0.0, f64::max);
+        assert!(close(largest, tool.max_pressure, 0.01));
+    }
+}
+
+/// 1 / l - l^2 at the stretch l, over a radius of l^(-1/2): the force of the full turn.
+#[test]
+fn the_pressure_along_a_section_of_rubber_is_over_its_deformed_length() {
+    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
+    scene.kind = Some(SceneKind::Axisymmetric);
+    scene.supports = vec![support("y0", [None, Some(0.0), None])];
+    scene.obstacles = vec![obstacle(
+        "plate",
+        "y1",
+        plane([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]),
+    )];
+    let step = push("plate", [0.0, -0.2, 0.0]);
+    let (session, report) = run_one(&scene, &step, &mesh(irregular(square(4), 4)));
+    let path = path(&session);
+    let (first, last) = (path[0], path[path.len() - 1]);
+    let radius = 0.8_f64.powf(-0.5);
+    assert!(first[2] == 0.0 && close(last[2], radius, 1e-6), "{last:?}");
+    assert!(close(first[4], radius, 1e-6) && last[4].abs() < 1e-9);
+    assert!(
+        path.iter()
+            .all(|row| close(row[3], 0.61, 1e-6) && close(row[5], 0.8, 1e-6))
+    );
+    let force = integral(&path, |row| TAU * row[4]);
+    assert!(
+        close(force, -report.obstacles["plate"].force[1], 1e-6),
+        "{force}"
+    );
 }

@@ -8,6 +8,8 @@ mod contact_alone;
 mod contact_space;
 mod critical_pressure;
 mod families;
+mod fluids;
+mod fluids_by_symmetry;
 mod grids;
 mod held_by_obstacles;
 mod hertz;

@@ -231,7 +231,7 @@ fn a_body_that_bulges_far_between_the_nodes_of_pressed_faces_is_named() {
 fn a_tool_sunk_into_a_side_that_it_may_not_press_is_named() {
     for (place, is_named) in [(0.5, false), (1.1, true)] {
         let scene = block(sphere([place, 0.5, 1.4], 0.5));
-        let mut session = open(&scene, &mesh(cube(6)));
+        let mut session = open(&scene, &mesh(cube(4)));
         let report = take(&mut session, &push("tool", [0.0, 0.0, -0.2])).remove(0);
         let mut warnings = report.warnings.iter();
         let sides = |w: &&signorini::report::Warning| w.message.contains("`on` does not name");

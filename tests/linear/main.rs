@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod about_axis;
 mod bad_methods;
 mod bad_scenes;
 mod bad_steps;

@@ -185,6 +185,59 @@ fn a_tool_that_shall_not_begin_inside_the_body_is_refused_with_depth_place_verti
     assert_eq!(over(1.3, PenetrationPolicy::Reject), Ok(()));
 }
 
+/// A held block under a plate whose normal is `normal`, in place of `[0, 0, -1]`.
+fn under_a_plate(point: [f64; 3], normal: [f64; 3]) -> Scene {
+    let mut scene = pressed(elastic(0.3));
+    scene.obstacles[0].shape = Shape::HalfSpace { point, normal };
+    scene
+}
+
+#[test]
+fn a_plane_whose_normal_points_away_from_the_body_is_refused_with_the_normal_that_it_needs() {
+    let steps = [push("press", [0.0, 0.0, -0.1])];
+    // The plate touches the block, and is away from it.
+    for height in [1.0, 1.3] {
+        let scene = under_a_plate([0.0, 0.0, height], [0.0, 0.0, 2.0]);
+        let Err(SceneError::Invalid(faults)) = Plan::new(&scene, &steps, &mesh(cube(2))) else {
+            panic!("a plate from {height} downwards holds the block");
+        };
+        let [fault] = &faults[..] else {
+            panic!("{faults:?}");
+        };
+        assert_eq!(fault.path, "obstacle.press.shape.normal");
+        assert!(fault.message.contains("turn it to [0, 0, -2]"), "{fault}");
+        // A session may yet lead it away: it is told all the same.
+        let told = warnings(&scene, cube(2));
+        assert!(told.contains(&fault.message), "{told:?}");
+    }
+}
+
+#[test]
+fn a_plane_that_the_steps_lead_to_the_right_side_is_not_refused() {
+    let scene = under_a_plate([0.0, 0.0, 0.1], [0.0, 0.0, -1.0]);
+    let plan = |steps: &[Step]| Plan::new(&scene, steps, &mesh(cube(2))).map(|_| ());
+    assert_eq!(plan(&[push("press", [0.0, 0.0, 0.9])]), Ok(()));
+    let behind = under_a_plate([0.0, 0.0, -0.1], [0.0, 0.0, -1.0]);
+    let plan = |steps: &[Step]| Plan::new(&behind, steps, &mesh(cube(2))).map(|_| ());
+    assert_eq!(plan(&[push("press", [0.0, 0.0, 1.1])]), Ok(()));
+    assert!(plan(&[push("press", [0.0, 0.0, 0.1])]).is_err());
+}
+
+#[test]
+fn a_cavity_beside_the_body_is_doubted_with_its_cure() {
+    let mut scene = pressed(elastic(0.3));
+    let ball = Shape::Sphere {
+        centre: [0.5, 0.5, 3.0],
+        radius: 1.0,
+    };
+    scene.obstacles[0].shape = Shape::Cavity(Arc::new(ball));
+    let told = warnings(&scene, cube(2));
+    assert!(
+        told.iter().any(|one| one.contains("leave it out")),
+        "{told:?}"
+    );
+}
+
 #[test]
 fn a_step_in_other_units_is_doubted() {
     let scene = pressed(elastic(0.3));
@@ -221,7 +274,7 @@ fn a_mesh_too_coarse_for_the_contact_that_the_way_leads_to_is_named_with_both_si
     // The half width of Hertz is 0.3 and 0.4, the longest edge of a face 0.3536.
     let found = ball(0.1);
     assert_eq!(found.len(), 1, "{found:?}");
-    let sizes = "half width of 0.300, all edges there are longer, from 0.354";
+    let sizes = "end 0.300 from its middle, inside the facets there, the smallest of size 0.354";
     assert!(found[0].contains(sizes), "{found:?}");
     assert_eq!(ball(0.18), [""; 0]);
 }

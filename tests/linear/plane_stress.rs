@@ -3,12 +3,10 @@
 use std::f64::consts::PI;
 
 use crate::common::meshes::{cook, mesh, moved, square, unit_grid};
-use crate::common::refusals::{unsupported, violations};
-use crate::common::scenes::{
-    elastic, material, obstacle, probe, pull, push, rubber, support, traction,
-};
+use crate::common::refusals::violations;
+use crate::common::scenes::{elastic, material, obstacle, probe, pull, push, support, traction};
 use crate::common::{assert_converged, close, open, solve_one, values};
-use signorini::scene::{Formulation, MaterialModel, Modulus, RubberModel, SceneKind, Shape};
+use signorini::scene::{Formulation, MaterialModel, Modulus, SceneKind, Shape};
 use signorini::{FieldName, Scene, Step};
 
 /// A sheet of Young's modulus one.
@@ -96,7 +94,4 @@ fn what_a_sheet_is_not_served_with_is_refused_by_key() {
     }
     let found = violations(&scene, &[], &mesh(square(2)));
     assert_eq!(found[0].path, "material.body.formulation", "{found:?}");
-    scene.materials = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None).materials;
-    let fault = unsupported(&scene, &mesh(square(2)));
-    assert_eq!(fault.path, "material.body.model", "{fault:?}");
 }

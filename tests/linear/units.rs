@@ -91,7 +91,11 @@ impl Factors {
             }
             RubberModel::Gent { shear_modulus, .. } => *shear_modulus *= self.stress,
             RubberModel::ArrudaBoyce { mu, .. } => *mu *= self.stress,
-            RubberModel::Ogden { mu, .. } => mu.iter_mut().for_each(|mu| *mu *= self.stress),
+            RubberModel::VanDerWaals { shear_modulus, .. }
+            | RubberModel::BlatzKo { shear_modulus } => *shear_modulus *= self.stress,
+            RubberModel::Ogden { mu, .. } | RubberModel::Hyperfoam { mu, .. } => {
+                mu.iter_mut().for_each(|mu| *mu *= self.stress)
+            }
         }
     }
 

@@ -74,14 +74,14 @@ fn assert_minima(reports: &[StepReport]) {
 
 #[test]
 fn a_small_ball_is_pressed_in_by_half_its_radius() {
-    let reports = indented((0.5, 0.25, 10));
+    let reports = indented((0.5, 0.25, 5));
     assert_minima(&reports);
     assert!(reports.iter().all(|report| report.penalty == 0.0));
 }
 
 #[test]
 fn a_large_ball_is_pressed_in_by_two_fifths_of_its_radius() {
-    assert_minima(&indented((1.0, 0.4, 16)));
+    assert_minima(&indented((1.0, 0.4, 8)));
 }
 
 /// Nothing but friction, which there is not, holds the top sideways: the block sways, in
@@ -117,9 +117,9 @@ fn an_evenly_pressed_cube_is_stable_to_two_fifths_under_hats() {
     let (mut scene, _) = squeezed_cube();
     scene.solver.contact_space = Choice::Named(ContactSpace::Linear);
     scene.solver.on_instability = Choice::Named(OnInstability::Stop);
-    let step = in_parts(push("press", [0.0, 0.0, -0.6]), 16);
+    let step = in_parts(push("press", [0.0, 0.0, -0.4]), 8);
     let part = reached(&solve(&scene, &[step], &mesh(cube(4))));
-    assert!(0.6 * part >= 0.4, "{part}");
+    assert!(part >= 1.0, "{part}");
 }
 
 /// A strip of a layer of 32 to 1, bonded below.

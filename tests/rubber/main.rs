@@ -5,6 +5,7 @@ mod common;
 
 mod beside_rubber;
 mod extremes;
+mod foams;
 mod frames;
 mod instability;
 mod loaded_supports;
@@ -14,6 +15,7 @@ mod refusals;
 mod results;
 mod rings;
 mod rivlin;
+mod sheets;
 mod stops;
 mod turns;
 mod verification;

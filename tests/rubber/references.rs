@@ -36,8 +36,13 @@ fn check(case: &str, mesh_name: &str, (scene, step): (&Scene, &Step), mesh: &Arc
         .as_array()
         .expect("steps");
     let reports = solve(scene, std::slice::from_ref(step), mesh);
-    assert_eq!(reports.len(), exact.len());
-    for (report, exact) in reports.iter().zip(exact) {
+    // Of an equilibrium it does not matter in how many increments it is come to.
+    let each = exact.len() / step.increments as usize;
+    assert_eq!(reports.len() * each, exact.len());
+    for (report, exact) in reports
+        .iter()
+        .zip(exact.iter().skip(each - 1).step_by(each))
+    {
         assert_converged(report);
         let obstacle = report.obstacles.values().next().expect("one obstacle");
         let force = factor * obstacle.force[2].abs();
@@ -84,7 +89,9 @@ fn a_bonded_cube_has_the_published_force() {
 
 #[test]
 fn a_bonded_cube_has_the_published_force_to_its_digits() {
-    check_by_its_rule("mr-block", "cube_n6", bonded_cube(), mesh(cube(6)));
+    let (scene, step) = bonded_cube();
+    let step = in_parts(step, 5);
+    check_by_its_rule("mr-block", "cube_n6", (scene, step), mesh(cube(6)));
 }
 
 #[test]

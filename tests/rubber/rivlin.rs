@@ -30,7 +30,7 @@ fn plane() -> Arc<Mesh> {
     mesh(irregular(square(3), 3))
 }
 
-fn laws() -> [RubberModel; 6] {
+fn laws() -> [RubberModel; 7] {
     [
         RubberModel::MooneyRivlin { c10: 0.4, c01: 0.1 },
         RubberModel::NeoHookean { shear_modulus: 1.3 },
@@ -49,6 +49,12 @@ fn laws() -> [RubberModel; 6] {
         RubberModel::ArrudaBoyce {
             mu: 0.9,
             locking_stretch: 2.5,
+        },
+        RubberModel::VanDerWaals {
+            shear_modulus: 0.9,
+            locking_stretch: 3.5,
+            a: 0.2,
+            beta: 0.3,
         },
     ]
 }
@@ -80,6 +86,15 @@ fn eight_chains(mu: f64, locking_stretch: f64, i1: f64) -> [f64; 3] {
     [mu * energy, mu * slope, 0.0]
 }
 
+/// The van der Waals network at x = (1 - beta) i1 + beta i2 - 3, and its slopes.
+fn network(mu: f64, [locking_stretch, a, beta]: [f64; 3], x: f64) -> [f64; 3] {
+    let limit = locking_stretch.powi(2) - 3.0;
+    let eta = (x / limit).sqrt();
+    let energy = -limit * ((1.0 - eta).ln() + eta) - 2.0 / 3.0 * a * (0.5 * x).powf(1.5);
+    let slope = 0.5 / (1.0 - eta) - 0.5 * a * (0.5 * x).sqrt();
+    [energy, slope * (1.0 - beta), slope * beta].map(|one| mu * one)
+}
+
 /// Energy, W1 and W2 at the invariants of an isochoric F.
 fn energy(law: &RubberModel, i1: f64, i2: f64) -> [f64; 3] {
     let [a, b] = [i1 - 3.0, i2 - 3.0];
@@ -106,7 +121,18 @@ fn energy(law: &RubberModel, i1: f64, i2: f64) -> [f64; 3] {
             mu,
             locking_stretch,
         } => eight_chains(mu, locking_stretch, i1),
-        RubberModel::Ogden { .. } => unreachable!("no Ogden law here"),
+        RubberModel::VanDerWaals {
+            shear_modulus,
+            locking_stretch,
+            a: interaction,
+            beta,
+        } => {
+            let x = (1.0 - beta) * a + beta * b;
+            network(shear_modulus, [locking_stretch, interaction, beta], x)
+        }
+        RubberModel::Ogden { .. } | RubberModel::Hyperfoam { .. } | RubberModel::BlatzKo { .. } => {
+            unreachable!("no law of stretches here")
+        }
     }
 }
 

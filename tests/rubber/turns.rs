@@ -9,12 +9,12 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use crate::common::curved::cylinder;
-use crate::common::meshes::{cube, irregular, mesh};
+use crate::common::meshes::{cube, irregular, mesh, square};
 use crate::common::rounded::{round, together, whole_ring};
 use crate::common::scenes::{HELD, mooney_rivlin, press, pull, push, rubber, support, turned};
 use crate::common::{assert_converged, close, open, solve, solve_one, take};
 use signorini::scene::{ObstacleTarget, Support, SupportTarget};
-use signorini::{Mesh, Session, Step, StepReport};
+use signorini::{Cause, Mesh, Session, Step, StepReport};
 
 const TWIST: f64 = 0.5;
 /// Along this axis, so that turns leave a stretch along it as it is,
@@ -214,8 +214,11 @@ fn a_pressed_body_turns_under_a_press_that_stands_still() {
 }
 
 /// A ring of second order whose supports turn about its axis by these angles, one step each.
-fn ring_turned(inner: Support, steps: &[[f64; 2]]) -> Vec<StepReport> {
-    let mut scene = rubber(mooney_rivlin(), Some(10.0));
+fn ring_turned(
+    (inner, bulk_modulus): (Support, Option<f64>),
+    steps: &[[f64; 2]],
+) -> Vec<StepReport> {
+    let mut scene = rubber(mooney_rivlin(), bulk_modulus);
     scene.supports = vec![inner, support("outer", [Some(0.0), Some(0.0), None])];
     let steps: Vec<Step> = steps
         .iter()
@@ -236,7 +239,7 @@ fn ring_turned(inner: Support, steps: &[[f64; 2]]) -> Vec<StepReport> {
 #[test]
 fn a_twisted_ring_of_curved_cells_turns_with_its_supports() {
     let inner = support("inner", [Some(0.0), Some(0.0), None]);
-    let reports = ring_turned(inner, &[[0.0, 0.2], [1.0, 1.2]]);
+    let reports = ring_turned((inner, Some(10.0)), &[[0.0, 0.2], [1.0, 1.2]]);
     reports.iter().for_each(assert_converged);
     assert_eq!(reports[1].sqp_iterations, 0, "nothing is left to solve");
     let [before, after] = [&reports[0], &reports[1]].map(|report| report.strain_energy);
@@ -244,6 +247,33 @@ fn a_twisted_ring_of_curved_cells_turns_with_its_supports() {
         before > 1e-3 && close(after, before, 1e-9),
         "{before} {after}"
     );
+}
+
+/// To first order a turn by a finite angle asks for another volume than the body has, which is
+/// bonded all around. Adkins and Gent: moment 4 pi mu angle / (1 / a^2 - 1 / b^2) at any angle.
+#[test]
+fn a_ring_that_cannot_change_its_volume_turns_with_what_it_is_bonded_to() {
+    for angle in [0.05, 0.5, 1.0] {
+        let inner = support("inner", [Some(0.0), Some(0.0), None]);
+        let reports = ring_turned((inner, None), &[[angle, 0.0]]);
+        assert_converged(&reports[0]);
+        let moment = reports[0].supports["inner"].moment[2];
+        assert!(close(moment, 4.0 * PI * angle / 0.75, 1e-2), "{moment}");
+    }
+}
+
+#[test]
+fn a_body_that_cannot_change_its_volume_is_not_pressed_by_what_it_is_bonded_to() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![
+        support("x0", [Some(0.0), None, None]),
+        support("x1", [Some(0.0), None, None]),
+        support("y0", [None, Some(0.0), None]),
+        support("y1", [None, Some(0.0), None]),
+    ];
+    let step = pull("y1", [None, Some(-0.1), None], 1);
+    let reports = solve(&scene, &[step], &mesh(square(4)));
+    assert_eq!(reports[0].cause, Some(Cause::EnclosedVolume));
 }
 
 /// Its bore is a cylinder, which points leave by the sagitta of a facet where arcs are taken for
@@ -254,7 +284,7 @@ fn a_ring_of_curved_cells_that_its_bore_guides_is_free_of_stress_at_rest_and_tur
         normal: Some(0.0),
         ..support("inner", [None; 3])
     };
-    for report in ring_turned(inner, &[[0.0, 0.0], [1.0, 1.0]]) {
+    for report in ring_turned((inner, Some(10.0)), &[[0.0, 0.0], [1.0, 1.0]]) {
         assert_converged(&report);
         assert!(report.strain_energy < 1e-14, "{:e}", report.strain_energy);
     }

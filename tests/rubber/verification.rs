@@ -20,7 +20,7 @@ fn rubber(model: RubberModel, bulk_modulus: Option<f64>) -> Scene {
     scene
 }
 
-fn laws() -> [RubberModel; 7] {
+fn laws() -> [RubberModel; 8] {
     [
         RubberModel::MooneyRivlin { c10: 0.4, c01: 0.1 },
         RubberModel::NeoHookean { shear_modulus: 1.0 },
@@ -44,7 +44,23 @@ fn laws() -> [RubberModel; 7] {
             mu: 0.9,
             locking_stretch: 1.5,
         },
+        RubberModel::VanDerWaals {
+            shear_modulus: 0.9,
+            locking_stretch: 2.2,
+            a: 0.2,
+            beta: 0.3,
+        },
     ]
+}
+
+fn foams() -> [RubberModel; 3] {
+    let foam = |nu: f64| RubberModel::Hyperfoam {
+        mu: vec![0.6, 0.3],
+        alpha: vec![8.0, -2.0],
+        nu: vec![nu],
+    };
+    let blatz_ko = RubberModel::BlatzKo { shear_modulus: 0.9 };
+    [foam(0.0), foam(0.4), blatz_ko]
 }
 
 /// Converged and verified: [`crate::common::solve`] fails where the paths disagree.
@@ -57,19 +73,22 @@ fn converged(scene: &Scene, mesh: &Arc<Mesh>) -> StepReport {
 
 #[test]
 fn solids_and_plane_bodies_of_every_law_agree_with_the_textbook_under_load() {
-    for model in laws() {
-        for bulk_modulus in [None, Some(20.0)] {
-            for (mesh, value) in [
-                (meshes::cube(2), [0.1, 0.05, 0.2]),
-                (meshes::square(3), [0.1, 0.2, 0.0]),
-            ] {
-                let mesh = meshes::mesh(mesh);
-                let mut scene = rubber(model.clone(), bulk_modulus);
-                scene.supports = vec![scenes::support("x0", scenes::HELD)];
-                scene.tractions = vec![scenes::traction("x1", value.map(|t| 0.5 * t))];
-                scene.body_force = [0.0, -0.05, 0.0];
-                converged(&scene, &mesh);
-            }
+    let rubbers = laws().into_iter().flat_map(|model| {
+        let own = [None, Some(20.0)];
+        own.map(|bulk_modulus| (model.clone(), bulk_modulus))
+    });
+    let foams = foams().map(|model| (model, None));
+    for (model, bulk_modulus) in rubbers.chain(foams) {
+        for (mesh, value) in [
+            (meshes::cube(2), [0.1, 0.05, 0.2]),
+            (meshes::square(3), [0.1, 0.2, 0.0]),
+        ] {
+            let mesh = meshes::mesh(mesh);
+            let mut scene = rubber(model.clone(), bulk_modulus);
+            scene.supports = vec![scenes::support("x0", scenes::HELD)];
+            scene.tractions = vec![scenes::traction("x1", value.map(|t| 0.5 * t))];
+            scene.body_force = [0.0, -0.05, 0.0];
+            converged(&scene, &mesh);
         }
     }
 }

@@ -133,6 +133,8 @@ def view(message, notes, path):
 
 # Messages that every result has.
 ALWAYS = {"residuals", "seconds", "unknowns", "report"}
+# Vectors of three, one behind the other.
+ROWS = {"points"}
 SCALARS = {1: "float", 2: "float", 3: "int", 5: "int", 8: "bool", 9: "str"}
 MESSAGE, ENUM, REPEATED = 11, 14, 3
 
@@ -165,7 +167,8 @@ def repeated(field, kind, value):
     if field.type == MESSAGE:
         return f"tuple[{kind}, ...]", f"tuple({kind}(one) for one in {value})"
     if SCALARS[field.type] == "float":
-        return "Vector", f"self._vector({value})"
+        rows = ".reshape(-1, 3)" if field.name in ROWS else ""
+        return "Vector", f"self._vector({value}){rows}"
     return f"tuple[{SCALARS[field.type]}, ...]", f"tuple({value})"
 
 

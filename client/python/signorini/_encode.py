@@ -98,9 +98,9 @@ MoveLike = Any
 def load_step(step: StepLike) -> step_pb2.LoadStep:
     """The message of a step; names of keys as in scene files or in `Step`."""
     table = step.as_dict() if isinstance(step, Step) else plain(step)
-    singular = {"obstacles": "obstacle", "supports": "support", "tractions": "traction"}
+    singular = {"obstacles": "obstacle", "supports": "support", "tractions": "traction", "fluids": "fluid"}
     table = {singular.get(key, key): one for key, one in table.items()}
-    known("step", table, ("increments", "load", "obstacle", "support", "traction", "body_force"))
+    known("step", table, ("increments", "load", "obstacle", "support", "traction", "fluid", "body_force"))
     return step_pb2.LoadStep(
         increments=table.get("increments"),
         load=table.get("load"),
@@ -108,7 +108,30 @@ def load_step(step: StepLike) -> step_pb2.LoadStep:
         supports=[target(step_pb2.SupportTarget, "support", *one) for one in table.get("support", {}).items()],
         tractions=[target(step_pb2.TractionTarget, "traction", *one) for one in table.get("traction", {}).items()],
         body_force=body_force(table.get("body_force")),
+        fluids=[fluid_target(*one) for one in table.get("fluid", {}).items()],
     )
+
+
+#: The word of a pressure that rises until the fluid leaks.
+TO_BLOW_OFF = "to blow-off"
+
+
+def fluid_target(name: str, given: Any) -> step_pb2.FluidTarget:
+    """Where the pressure of a fluid leads; a bare number is a pressure."""
+    given = plain(given)
+    path = f"step.fluid.{name}"
+    table = given if isinstance(given, Mapping) else {"pressure": given}
+    known(path, table, ("pressure", "up_to"))
+    pressure, most = table.get("pressure"), table.get("up_to")
+    if pressure == TO_BLOW_OFF:
+        if most is None:
+            raise fault(f"{path}.up_to", "required key is missing: the pressure at which the step ends without a leak")
+        return step_pb2.FluidTarget(name=name, to_blow_off=checked(f"{path}.up_to", most))
+    if most is not None:
+        raise fault(f"{path}.up_to", f'goes with pressure = "{TO_BLOW_OFF}" only; leave it out')
+    if not isinstance(pressure, (int, float)):
+        raise fault(f"{path}.pressure", f'a number or "{TO_BLOW_OFF}" is expected, found {pressure!r}')
+    return step_pb2.FluidTarget(name=name, pressure=pressure)
 
 
 def body_force(given: Any) -> Any:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ._solution import Field, Increment, Iteration
+from ._solution import Field, Fields, Increment, Iteration
 from .errors import ProtocolError, RefusedError, ResultsLostError, SessionError, refusal
 from .reports import IterationReport, StepReport
 from .v1 import array_pb2, scene_pb2
@@ -49,7 +49,7 @@ class Collector:
 
     def __init__(self) -> None:
         self.finished: Any = None
-        self.fields: dict[str, Field] = {}
+        self.fields = Fields()
         self.buffer: Any = None
 
     def take(self, message: Any) -> Event | None:
@@ -74,7 +74,7 @@ class Collector:
         """A result; its fields follow."""
         if self.finished is not None:
             raise ProtocolError("a result before the fields of the last one")
-        self.finished, self.fields = finished, {}
+        self.finished, self.fields = finished, Fields()
         return None if finished.fields else self.complete()
 
     def add(self, chunk: Any) -> Increment | None:

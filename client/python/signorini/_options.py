@@ -19,8 +19,8 @@ from .v1 import session_service_pb2 as pb
 
 log = logging.getLogger("signorini")
 
-#: Fields of `solve` where the scene names none: those that the pictures show.
-DEFAULT_FIELDS = ("displacement", "pressure", "contact_pressure", "gap", "contact_state")
+#: Fields of `solve` where the scene names none: those that pictures and curves show.
+DEFAULT_FIELDS = ("displacement", "pressure", "contact_pressure", "gap", "contact_state", "contact_path")
 #: The longest time that the contract knows, seconds: 30 days.
 LONGEST = 30 * 24 * 3600
 #: Time to live of sessions of our own server, which ends with us: one day.

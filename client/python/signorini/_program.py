@@ -87,9 +87,10 @@ def read_mesh(path: Path) -> list[bytes]:
     return list(delimited(output))
 
 
-def read_surface(command: str, path: Path) -> list[bytes]:
-    """The messages of the upload of a tool's file: `surface` of facets, `grid` of numbers."""
-    code, output, messages = run(command, "--", str(path))
+def read_surface(command: str, path: Path, weld: float | None = None) -> list[bytes]:
+    """The messages of the upload of a tool's file: `surface` of facets, within `weld`, `grid` of numbers."""
+    named = [] if weld is None else [f"--weld={weld!r}"]
+    code, output, messages = run(command, *named, "--", str(path))
     if code != 0:
         raise SceneError("; ".join(messages), "SURFACE_INVALID", "INVALID_ARGUMENT")
     return list(delimited(output))

@@ -10,9 +10,19 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from .errors import NotConvergedError
+from ._encode import field_names
+from .errors import FieldError, NotConvergedError
 from .mesh import Mesh
-from .reports import IterationReport, ObstacleResult, Plan, ProbeResult, StepReport, SupportResult, Warning
+from .reports import (
+    FluidResult,
+    IterationReport,
+    ObstacleResult,
+    Plan,
+    ProbeResult,
+    StepReport,
+    SupportResult,
+    Warning,
+)
 from .v1 import report_pb2
 
 if TYPE_CHECKING:
@@ -26,6 +36,20 @@ Field = npt.NDArray[np.float64]
 
 #: The kind of the warning of an obstacle that is away from the body.
 UNTOUCHED = "untouched_obstacle"
+
+
+class Fields(dict[str, Field]):
+    """Arrays by name, which say of one that is not there how it is asked for."""
+
+    def __missing__(self, name: str) -> Field:
+        """There is none of that name."""
+        if name not in field_names():
+            raise FieldError(f'"{name}" is no field: known are {", ".join(field_names())}')
+        there = ", ".join(sorted(self)) or "none"
+        raise FieldError(
+            f'no field "{name}" in this increment, there are {there}: name it in `output.fields` of the scene, '
+            "or in fields=[...] of the call"
+        )
 
 
 @dataclass(frozen=True)
@@ -69,9 +93,39 @@ class Increment:
         return self.report.probes
 
     @property
+    def fluids(self) -> Mapping[str, FluidResult]:
+        """What each fluid does, and how near it is to a leak."""
+        return dict(sorted(self.report.fluids.items()))
+
+    def leak_path(self, fluid: str) -> tuple[Field, Field] | None:
+        """Points of the path on which a fluid leaks first, [points, 3], and the pressure at each, [points].
+
+        None where nothing must stay dry, or the fluid cannot get there.
+        """
+        path = self.fluids[fluid].leak_path
+        return None if path is None else (path.points, path.pressures)
+
+    @property
     def converged(self) -> bool:
         """Whether all criteria are met."""
         return self.report.termination == "converged"
+
+    def contact_path(self, obstacle: str, interval: int | None = None) -> tuple[Field, Field]:
+        """Arc lengths and contact pressures along the surface of a section under an obstacle.
+
+        Both [points], of one interval of contact, numbered as in `contact_intervals`, or of all; empty without
+        contact. Needs the field `contact_path`, which scenes in the plane and about an axis have.
+        """
+        path = self.fields.get("contact_path")
+        if path is None:
+            raise FieldError("no field contact_path: scenes in space have none; else ask for it with fields=[...]")
+        names = [pose.name for pose in self.report.obstacle_poses]
+        if obstacle not in names:
+            raise KeyError(f'no obstacle "{obstacle}": there are {", ".join(names) or "none"}')
+        own = path[path[:, 0] == names.index(obstacle)]
+        if interval is not None:
+            own = own[own[:, 1] == interval]
+        return own[:, 2], own[:, 3]
 
     def __repr__(self) -> str:
         report = self.report
@@ -126,9 +180,22 @@ class Solution(Sequence[Increment]):
         return self.last.probes
 
     @property
+    def fluids(self) -> Mapping[str, FluidResult]:
+        """What each fluid does at the end, and how near it is to a leak."""
+        return self.last.fluids
+
+    def leak_path(self, fluid: str) -> tuple[Field, Field] | None:
+        """The path on which a fluid leaks first at the end; see `Increment.leak_path`."""
+        return self.last.leak_path(fluid)
+
+    @property
     def fields(self) -> Mapping[str, Field]:
         """The fields at the end."""
         return self.last.fields
+
+    def contact_path(self, obstacle: str, interval: int | None = None) -> tuple[Field, Field]:
+        """Arc lengths and contact pressures at the end; see `Increment.contact_path`."""
+        return self.last.contact_path(obstacle, interval)
 
     @property
     def converged(self) -> bool:
@@ -204,6 +271,10 @@ OF_CONTACT = (
 )
 """Numbers of an obstacle in the table."""
 
+OF_FLUID = ("pressure", "tightness", "blow_off_low", "blow_off_high", "wet_area")
+OF_LEAK = ("margin", "margin_over_pressure", "sealed_width")
+"""What the table says of a fluid, and of its leak path."""
+
 
 def row(increment: Increment) -> dict[str, Any]:
     """One row of the table."""
@@ -215,6 +286,10 @@ def row(increment: Increment) -> dict[str, Any]:
             cells[f"{name}.force_{axis}"] = value
         for key in OF_CONTACT:
             cells[f"{name}.{key}"] = getattr(obstacle, key)
+    for name, fluid in increment.fluids.items():
+        cells |= {f"fluid.{name}.{key}": getattr(fluid, key) for key in OF_FLUID}
+        path = fluid.leak_path
+        cells |= {f"fluid.{name}.{key}": getattr(path, key) if path else None for key in OF_LEAK}
     more = ("strain_energy", "volume_ratio", "min_jacobian", "max_penetration", "error_estimate")
     cells |= {name: getattr(report, name) for name in (*more, "krylov_iterations")}
     return {**cells, "seconds": report.seconds.total}

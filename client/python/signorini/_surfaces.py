@@ -36,7 +36,8 @@ def read_surfaces(scene: scene_pb2.Scene) -> list[Surface]:
         if kind in FILES:
             field, command = FILES[kind]
             shape = getattr(obstacle.shape, kind)
-            messages = _program.read_surface(command, Path(getattr(shape, field)))
+            weld = shape.weld if kind == "surface" and shape.HasField("weld") else None
+            messages = _program.read_surface(command, Path(getattr(shape, field)), weld)
             read.append(Surface([pb.UploadSurfaceRequest.FromString(one) for one in messages]))
             setattr(shape, field, read[-1].name)
     return read

@@ -11,6 +11,7 @@ __all__ = [
     "AccessError",
     "ConnectionBrokenError",
     "DeadlineError",
+    "FieldError",
     "GatewayError",
     "MeshError",
     "NotConvergedError",
@@ -73,6 +74,14 @@ class ProtocolError(SignoriniError):
 
 class NotConvergedError(SignoriniError):
     """Raised by `Result.check()` only: not converging is a result, not an error."""
+
+
+class FieldError(SignoriniError, KeyError):
+    """A field that a result has not: it was not asked for, or there is none of that name."""
+
+    def __str__(self) -> str:
+        """The sentence; a `KeyError` would show it in quotes."""
+        return str(self.args[0]) if self.args else ""
 
 
 @dataclass(frozen=True)
@@ -169,6 +178,7 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "SESSION_EXPIRED": NotFoundError,
     "SESSION_ELSEWHERE": SessionError,
     "STEP_NOT_FOUND": NotFoundError,
+    "EVENT_NOT_FOUND": NotFoundError,
     "STATE_NOT_FOUND": NotFoundError,
     "STATE_INVALID": SessionError,
     "SEQUENCE_NOT_RETAINED": NotFoundError,
@@ -177,6 +187,9 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "SESSION_BUSY": SessionError,
     "SESSION_DELETED": SessionError,
     "SESSION_DAMAGED": SessionError,
+    "MESH_DAMAGED": SessionError,
+    "SURFACE_DAMAGED": SessionError,
+    "STATE_DAMAGED": SessionError,
     "SEQUENCE_GAP": SessionError,
     "MEMORY_BUDGET": QuotaError,
     "QUEUE_FULL": QuotaError,
@@ -184,6 +197,7 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "CALL_RATE": QuotaError,
     "MESSAGE_LIMIT": QuotaError,
     "STREAM_DEADLINE": DeadlineError,
+    "STREAM_UNREAD": ShutdownError,
     "SHUTTING_DOWN": ShutdownError,
     "DATA_UNWRITABLE": ServerError,
     "UNAUTHENTICATED": AccessError,
@@ -193,6 +207,8 @@ BY_REASON: dict[str, type[RefusedError]] = {
 
 # What gRPC tells of a page of HTML in place of an answer.
 PAGES = ("status: 502", "status: 503", "status: 504", "status code 502", "status code 503", "status code 504")
+# A stream that is reset by itself: by a proxy that found no server, and goes on answering.
+RESET = "Received RST_STREAM"
 # Codes that the transport gives by itself when a connection breaks.
 TRANSPORT = {"UNAVAILABLE", "INTERNAL", "UNKNOWN", "CANCELLED"}
 
@@ -224,7 +240,7 @@ def from_call(error: Any, address: str) -> SignoriniError:
         return refused
     if code == "DEADLINE_EXCEEDED":
         return UnreachableError(f"the server at {address} does not answer in time")
-    if code == "CANCELLED" or (code in TRANSPORT and any(page in message for page in PAGES)):
+    if code == "CANCELLED" or (code in TRANSPORT and any(part in message for part in (*PAGES, RESET))):
         return GatewayError(f"a proxy at {address} answers, and no server behind it: {message}")
     if code in TRANSPORT:
         return ConnectionBrokenError(f"the connection to {address} broke: {message}")

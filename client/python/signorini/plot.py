@@ -77,10 +77,7 @@ def scale(result: Solution) -> float:
 
 def scalars(increment: Increment, field: str) -> Floats:
     """One number a row: lengths of vectors, von Mises of stresses."""
-    values = increment.fields.get(field)
-    if values is None:
-        there = ", ".join(increment.fields) or "none"
-        raise KeyError(f'no field "{field}" in this increment: there are {there}; ask for it with fields=[...]')
+    values = increment.fields[field]
     if values.ndim == 1:
         return values
     if values.shape[1] == 6:
@@ -103,6 +100,8 @@ def dataset(result: Solution, increment: int = -1, warp: float = 1.0) -> Any:
     kind = pv.CellType.TRIANGLE if result.mesh.dimension == 2 else pv.CellType.TETRA
     grid = pv.UnstructuredGrid({kind: result.mesh.cells}, positions(result, one, warp))
     for name, values in one.fields.items():
+        if name == "contact_path":
+            continue  # Of points along the surface.
         if len(values) == len(result.mesh.cells):
             grid.cell_data[name] = values
         else:

@@ -26,7 +26,7 @@ Given = Values | npt.NDArray[Any] | str | Path
 
 #: Key of scene files for a field of these classes that has another name.
 KEYS = {"materials": "material", "supports": "support", "tractions": "traction", "pressures": "pressure"}
-KEYS |= {"obstacles": "obstacle", "steps": "step", "probes": "probe"}
+KEYS |= {"obstacles": "obstacle", "steps": "step", "probes": "probe", "fluids": "fluid"}
 
 
 class Part:
@@ -171,6 +171,39 @@ class ArrudaBoyce(Part):
     formulation: str | None = None
 
 
+@dataclass(kw_only=True)
+class VanDerWaals(Part):
+    """Rubber as a van der Waals network: locking stretch, interaction `a`, share `beta` of the second invariant."""
+
+    constant = {"model": "van-der-waals"}
+    shear_modulus: float
+    locking_stretch: float
+    a: float = 0.0
+    beta: float = 0.0
+    bulk_modulus: float | None = None
+    formulation: str | None = None
+
+
+@dataclass(kw_only=True)
+class Hyperfoam(Part):
+    """A compressible foam of one to six terms in the principal stretches; `nu` is one for all or one per term."""
+
+    constant = {"model": "hyperfoam"}
+    mu: Vector
+    alpha: Vector
+    nu: Vector
+    formulation: str | None = None
+
+
+@dataclass(kw_only=True)
+class BlatzKo(Part):
+    """A compressible foamed rubber of Poisson ratio 1/4 at rest."""
+
+    constant = {"model": "blatz-ko"}
+    shear_modulus: float
+    formulation: str | None = None
+
+
 Material = (
     LinearElastic
     | Stokes
@@ -181,6 +214,9 @@ Material = (
     | Polynomial
     | Gent
     | ArrudaBoyce
+    | VanDerWaals
+    | Hyperfoam
+    | BlatzKo
     | Mapping[str, Any]
 )
 
@@ -271,13 +307,17 @@ class Cone(Part):
 
 @dataclass(kw_only=True)
 class Surface(Part):
-    """A closed surface from an STL file; smoothed but at edges of more than `feature_angle`, degrees."""
+    """A closed surface from an STL file; smoothed but at edges of more than `feature_angle`, degrees.
+
+    Corners nearer than `weld` of the diagonal (1e-6) are one vertex.
+    """
 
     constant = {"kind": "surface"}
     file: str | Path
     scale: float | None = None
     facets: bool | None = None
     feature_angle: float | None = None
+    weld: float | None = None
     inside: bool | None = None
 
 
@@ -347,6 +387,26 @@ class Pressure(Part):
 
 
 @dataclass(kw_only=True)
+class Fluid(Part):
+    """A fluid that creeps in from the wet surfaces `source` and must not reach those that are `dry`."""
+
+    name: str
+    on: Names
+    source: Names
+    dry: Names | None = None
+    pressure: float | None = None
+    threshold: float | str | None = None
+    film: str | None = None
+    blow_off_tolerance: float | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """The table; its key `from` is no name in Python."""
+        table = super().as_dict()
+        table["from"] = table.pop("source")
+        return table
+
+
+@dataclass(kw_only=True)
 class Obstacle(Part):
     """A rigid tool that surfaces of the body may touch."""
 
@@ -391,6 +451,14 @@ class TractionChange(Part):
 
 
 @dataclass(kw_only=True)
+class FluidPressure(Part):
+    """Where the pressure of a fluid leads: a number, or `"to blow-off"` and `up_to` which one at most."""
+
+    pressure: float | str
+    up_to: float | None = None
+
+
+@dataclass(kw_only=True)
 class Step(Part):
     """A load step: targets that are reached in equal increments, each with a result."""
 
@@ -400,6 +468,14 @@ class Step(Part):
     supports: Mapping[str, SupportMove | Mapping[str, Any]] = field(default_factory=dict)
     tractions: Mapping[str, TractionChange | Mapping[str, Any]] = field(default_factory=dict)
     body_force: Mapping[str, Any] | None = None
+    fluids: Mapping[str, FluidPressure | Mapping[str, Any] | float] = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The table; the pressure of a fluid alone is one of its own."""
+        table = super().as_dict()
+        fluids = table.get("fluid", {})
+        own = {name: one if isinstance(one, Mapping) else {"pressure": one} for name, one in fluids.items()}
+        return {**table, "fluid": own} if own else table
 
 
 @dataclass(kw_only=True)
@@ -453,6 +529,7 @@ class Scene(Part):
     solver: Solver | Mapping[str, Any] | None = None
     manufactured: Mapping[str, str] | None = None
     output: Mapping[str, Any] | None = None
+    fluids: Sequence[Fluid | Mapping[str, Any]] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The tables of a scene file; a `Mesh` stays as it is."""

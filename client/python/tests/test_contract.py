@@ -25,6 +25,9 @@ CLASSES = [
     (s.Polynomial, scene_pb2.Polynomial, {"formulation"}, set()),
     (s.Gent, scene_pb2.Gent, {"formulation"}, set()),
     (s.ArrudaBoyce, scene_pb2.ArrudaBoyce, {"formulation"}, set()),
+    (s.VanDerWaals, scene_pb2.VanDerWaals, {"formulation"}, set()),
+    (s.Hyperfoam, scene_pb2.Hyperfoam, {"formulation"}, set()),
+    (s.BlatzKo, scene_pb2.BlatzKo, {"formulation"}, set()),
     (s.HalfSpace, scene_pb2.HalfSpace, {"inside"}, set()),
     (s.Sphere, scene_pb2.Sphere, {"inside"}, set()),
     (s.Cylinder, scene_pb2.Cylinder, {"inside"}, set()),
@@ -38,12 +41,14 @@ CLASSES = [
     (s.Support, scene_pb2.Support, LOADS, {"load"}),
     (s.Traction, scene_pb2.Traction, set(), set()),
     (s.Pressure, scene_pb2.Pressure, set(), set()),
+    (s.Fluid, scene_pb2.Fluid, {"source"}, {"from"}),
     (s.Obstacle, scene_pb2.Obstacle, set(), set()),
     (s.Probe, scene_pb2.Probe, set(), set()),
     (s.Solver, scene_pb2.SolverOptions, set(), {"verify", "tolerance_rule"}),
     (s.Step, step_pb2.LoadStep, set(), set()),
     (s.Move, step_pb2.ObstacleTarget, set(), {"name"}),
     (s.SupportMove, step_pb2.SupportTarget, set(), {"name"}),
+    (s.FluidPressure, step_pb2.FluidTarget, {"up_to"}, {"name", "to_blow_off"}),
     (s.TractionChange, step_pb2.TractionTarget, set(), {"name"}),
     (s.Scene, scene_pb2.Scene, set(), {"body_force_values"}),
 ]
@@ -60,7 +65,7 @@ def filled(kind: Any) -> dict[str, Any]:
     """An instance with every key given."""
     values: dict[str, Any] = {one.name: 0.25 for one in dataclasses.fields(kind)}
     vectors = {"point", "normal", "centre", "axis", "half_sizes", "start", "end", "apex", "translation", "rotation"}
-    vectors |= {"about", "mu", "alpha"}
+    vectors |= {"about", "mu", "alpha", "nu"}
     vectors -= {"mu"} if kind is s.ArrudaBoyce else set()
     values |= dict.fromkeys(vectors & values.keys(), (1, 2.5, 3))
     values |= {name: {"x": 1.0} for name in {"displacement", "force", "moment", *SPRINGS} & values.keys()}
@@ -69,7 +74,7 @@ def filled(kind: Any) -> dict[str, Any]:
     values.pop("values", None)
     values |= dict.fromkeys({"inside", "facets"} & values.keys(), False)
     words = {"formulation": "mixed", "profile": "parabolic", "name": "n", "on": ["a", "b"], "surface": "smooth"}
-    words |= {"file": "tool.stl"}
+    words |= {"file": "tool.stl", "weld": 1e-4, "source": ["a"], "dry": "c", "film": "squeezed-out"}
     return kind(**{**values, **{key: word for key, word in words.items() if key in values}}).as_dict()
 
 
@@ -78,9 +83,11 @@ def scene() -> dict[str, Any]:
     step = {"increments": 3, "load": 0.5}
     step |= {"obstacle": {"n": filled(s.Move)}, "support": {"n": {**filled(s.SupportMove)}}}
     del step["support"]["n"]["displacement"]
+    step |= {"fluid": {"m": {"pressure": 2.0}, "n": {"pressure": "to blow-off", "up_to": 5.0}}}
     linear = filled(s.LinearElastic)
     del linear["young_modulus"]
     materials = [s.Stokes, s.MooneyRivlin, s.NeoHookean, s.Yeoh, s.Ogden, s.Polynomial, s.Gent, s.ArrudaBoyce]
+    materials += [s.VanDerWaals, s.Hyperfoam, s.BlatzKo]
     shapes = [s.HalfSpace, s.Sphere, s.Cylinder, s.CappedCylinder, s.Box, s.Torus, s.Cone]
     shapes += [s.Surface, s.HeightField, s.DistanceGrid]
     obstacle = {"name": "n", "on": ["a"], "friction": 0.3, "tresca": 0.1, "surface": "smooth"}
@@ -92,6 +99,7 @@ def scene() -> dict[str, Any]:
         "support": [filled(s.Support)],
         "traction": [{"on": "a", "value": [1, 2, 3]}],
         "pressure": [filled(s.Pressure)],
+        "fluid": [filled(s.Fluid), {"name": "m", "on": "a", "from": "b", "threshold": "fluid"}],
         "obstacle": [{**obstacle, "shape": filled(kind)} for kind in shapes],
         "probe": [filled(s.Probe)],
         "solver": solver,
@@ -106,8 +114,9 @@ def test_every_key_of_the_classes_is_read_by_the_program() -> None:
     tables = scene()
     text = _encode.tomli_w.dumps(tables).encode()
     message = scene_pb2.Scene.FromString(_program.read_scene(text, Path("scene"), ['mesh="a.msh"']))
-    assert len(message.materials) == 9
+    assert len(message.materials) == 12
     assert len(message.obstacles) == 10
+    assert [one.HasField("threshold") for one in message.fluids] == [True, False]
     assert list(message.output.fields) == [one.number for one in scene_pb2.FieldName.DESCRIPTOR.values if one.number]
     assert message.steps[0] == _encode.load_step(tables["step"][0])
 
@@ -142,10 +151,35 @@ def test_updates_name_the_wrong_key() -> None:
         ({"obstacle": {"a": {"translate": 1}}}, "step.obstacle.a.translate: unknown key; did you mean"),
         ({"obstacle": {"a": [0, 0]}}, "step.obstacle.a.translation: a list of three numbers is expected"),
         ({"support": {"a": {"displacement": {"w": 1.0}}}}, "step.support.a.displacement.w: unknown key"),
+        ({"fluid": {"a": {"pressure": "to blow-off"}}}, "step.fluid.a.up_to: required key is missing"),
+        ({"fluid": {"a": {"pressure": 1, "up_to": 2}}}, 'step.fluid.a.up_to: goes with pressure = "to blow-off" only'),
+        ({"fluid": {"a": "to blowoff"}}, 'step.fluid.a.pressure: a number or "to blow-off" is expected'),
     ]:
         with pytest.raises(s.errors.SceneError) as caught:
             _encode.load_step(step)
         assert str(caught.value).startswith(said)
+
+
+def test_pressures_of_fluids_are_numbers_tables_or_a_word() -> None:
+    by_class = s.Step(fluids={"water": 2.0, "oil": s.FluidPressure(pressure="to blow-off", up_to=50)})
+    by_table = {"fluids": {"water": {"pressure": 2}, "oil": {"pressure": "to blow-off", "up_to": 50.0}}}
+    message = _encode.load_step(by_class)
+    assert message == _encode.load_step(by_table)
+    loads = {one.name: (one.WhichOneof("load"), getattr(one, one.WhichOneof("load"))) for one in message.fluids}
+    assert loads == {"water": ("pressure", 2.0), "oil": ("to_blow_off", 50.0)}
+
+
+def test_leak_paths_are_rows_of_points() -> None:
+    path = report_pb2.LeakPath(margin=3.5, points=[0, 1, 2, 3, 4, 5], pressures=[1.0, 2.0])
+    water = report_pb2.FluidResult(pressure=2.0, tightness=report_pb2.TIGHTNESS_LEAKS, leak_path=path)
+    dry = report_pb2.FluidResult(tightness=report_pb2.TIGHTNESS_TIGHT)
+    report = reports.StepReport(report_pb2.StepReport(fluids={"water": water, "oil": dry}))
+    increment = s.Increment(sequence=1, event=1, last=True, report=report, fields={})
+    found = increment.leak_path("water")
+    assert found is not None
+    assert (found[0].shape, found[1].tolist()) == ((2, 3), [1.0, 2.0])
+    assert increment.leak_path("oil") is None
+    assert increment.fluids["water"].tightness == "leaks"
 
 
 def test_pauses_double_up_to_two_seconds_until_the_patience_ends() -> None:

@@ -61,7 +61,9 @@ class Gateway(grpc.GenericRpcHandler):
     def fail(self) -> None:
         """The next calls fail in every way of a proxy."""
         pages = [(grpc.StatusCode.UNAVAILABLE, f"Received http2 header with status: {one}") for one in (502, 503, 504)]
-        self.failures += [*pages, (grpc.StatusCode.CANCELLED, "CANCELLED")]
+        reset = "Stream removed (RST_STREAM (Received RST_STREAM with error code 7))"
+        refused = (grpc.StatusCode.UNAVAILABLE, reset)
+        self.failures += [*pages, refused, (grpc.StatusCode.CANCELLED, "CANCELLED")]
 
     def cut(self) -> None:
         for call in self.open:

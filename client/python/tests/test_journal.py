@@ -122,6 +122,8 @@ def test_fields_are_put_together_from_slices() -> None:
     done = collector.take(chunk([3.0], offset=2, rows=3))
     assert isinstance(done, Increment)
     assert done.fields["gap"].tolist() == [1.0, 2.0, 3.0]
+    with pytest.raises(s.errors.FieldError, match=r"there are gap: name it in `output\.fields`"):
+        done.fields["stress"]
 
 
 def test_slices_out_of_place_break_the_protocol() -> None:

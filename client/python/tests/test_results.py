@@ -34,6 +34,26 @@ def test_travel_and_force_are_positive_where_the_tool_presses(result: s.Result) 
     assert force[0] > 0
 
 
+def test_the_pressure_along_a_section_sums_up_to_the_normal_force(result: s.Result, examples: Path) -> None:
+    few = {"step.0.increments": 2, "step.0.obstacle.lid.translation": [0, -0.3, 0], "step.1.increments": 1}
+    few["output.fields"] = ["contact_path"]
+    ring = s.solve(examples / "o-ring.toml", set=few)
+    squeezed = next(one for one in ring if one.report.step == 1 and one.last)
+    arc, pressure = squeezed.contact_path("lid", interval=0)
+    assert len(arc) == len(pressure) > 5
+    assert all(np.diff(arc) > 0)
+    place = squeezed.fields["contact_path"][squeezed.fields["contact_path"][:, 0] == 1]
+    of_rings = 2 * np.pi * place[:, 4] * pressure
+    force = float(np.diff(arc) @ (of_rings[1:] + of_rings[:-1])) / 2
+    lid = squeezed.obstacles["lid"]
+    assert lid.mean_pressure is not None
+    assert force == pytest.approx(lid.mean_pressure * lid.deformed_contact_area, rel=0.05)
+    with pytest.raises(KeyError, match="floor, lid, wall"):
+        ring.contact_path("roof")
+    with pytest.raises(KeyError, match="scenes in space have none"):
+        result.contact_path("ball")
+
+
 def test_the_table_has_a_row_an_increment(result: s.Result) -> None:
     table = result.table()
     assert {len(column) for column in table.values()} == {3}
@@ -114,5 +134,12 @@ def test_a_section_is_drawn_without_pyvista(tmp_path: Path) -> None:
 def test_a_field_that_was_not_asked_for_is_told(result: s.Result) -> None:
     from signorini.plot import scalars
 
-    with pytest.raises(KeyError, match="stress"):
-        scalars(result.last, "stress")
+    for look in (lambda: scalars(result.last, "stress"), lambda: result.fields["stress"]):
+        with pytest.raises(KeyError) as told:
+            look()
+        assert isinstance(told.value, s.errors.FieldError)
+        assert str(told.value).startswith('no field "stress" in this increment, there are ')
+        assert "`output.fields` of the scene" in str(told.value)
+    assert result.fields.get("stress") is None
+    with pytest.raises(s.errors.FieldError, match='"strss" is no field: known are displacement'):
+        result.fields["strss"]

@@ -56,6 +56,21 @@ def test_a_ball_on_a_grid_is_the_ball(ball: s.Scene, tmp_path: Path) -> None:
         assert s.plan(ball).as_dict()
 
 
+def test_corners_that_differ_by_rounding_are_welded_within_a_tolerance(ball: s.Scene, tmp_path: Path) -> None:
+    path = octahedron(tmp_path / "tool.stl")
+    shape = s.Surface(file=path, facets=True)
+    exact = pressed(ball, shape)
+    lines = path.read_text().splitlines()
+    vertices = [index for index, line in enumerate(lines) if line.startswith("vertex")]
+    for index in vertices[::2]:
+        lines[index] += "0002" if "." in lines[index].split()[-1] else ".00002"
+    path.write_text("\n".join([*lines, ""]))
+    with pytest.raises(s.SignoriniError, match="`weld`"):
+        pressed(ball, shape)
+    shape.weld = 1e-4
+    assert pressed(ball, shape) == pytest.approx(exact, rel=1e-3)
+
+
 def test_a_triangulated_tool_is_pressed(ball: s.Scene, tmp_path: Path) -> None:
     shape = s.Surface(file=octahedron(tmp_path / "tool.stl"), facets=True)
     assert pressed(ball, shape) < 0

@@ -109,7 +109,8 @@ pub(crate) struct TokenFileArguments {
 #[cfg(feature = "embedded")]
 #[derive(Debug, Subcommand)]
 pub(crate) enum CertsCommand {
-    /// Make an authority, or use the one that is there, and certificates signed by it
+    /// Make an authority, or use the one that is there, and certificates signed by it; a server
+    /// that has one keeps its names and its key
     Init {
         /// Folder for them, made if it is missing
         #[arg(value_name = "DIR")]
@@ -117,10 +118,24 @@ pub(crate) enum CertsCommand {
         /// Names and addresses of the server, beside localhost
         #[arg(long = "host", value_name = "HOST")]
         hosts: Vec<String>,
-        /// Names of clients that get certificates too
+        /// Names of clients that get certificates; alone on a folder that has a server's, that
+        /// one stays as it is
         #[arg(long = "client", value_name = "NAME")]
         clients: Vec<signorini_server::ClientName>,
         /// Days that they are good for; the authority is good for ten years
+        #[arg(long, value_name = "N", default_value_t = 365,
+            value_parser = clap::value_parser!(u32).range(1..=3650))]
+        days: u32,
+    },
+    /// Make certificates of clients, signed by the authority that is there
+    Client {
+        /// Folder that init has made
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+        /// Their names
+        #[arg(value_name = "NAME", required = true)]
+        names: Vec<signorini_server::ClientName>,
+        /// Days that they are good for
         #[arg(long, value_name = "N", default_value_t = 365,
             value_parser = clap::value_parser!(u32).range(1..=3650))]
         days: u32,

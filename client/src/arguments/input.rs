@@ -6,10 +6,10 @@ use signorini_client::bounded_file;
 use signorini_client::formats::grid;
 use signorini_client::formats::inp::{self, scene::DeckScene};
 use signorini_client::formats::mesh::MeshFile;
-use signorini_client::formats::reader::{self, Format};
+use signorini_client::formats::reader::{self, Format, ReadError};
 use signorini_client::formats::stl;
 use signorini_client::formats::vtp::Triangulation;
-use signorini_client::scene_file::{self, SceneFileError};
+use signorini_client::scene_file::{self, Override, SceneFile, SceneFileError};
 use signorini_client::{Client, WireMesh, WireSurface};
 use signorini_proto::v1;
 use signorini_proto::v1::shape::Kind;
@@ -27,8 +27,8 @@ pub(crate) const WITHOUT_GROUPS: &str = "the mesh has no groups, so no key of a 
     in Gmsh, before meshing: Physical Volume(\"body\") = {1}; Physical Surface(\"top\") = {6}; \
     of a section: Physical Surface(\"body\") = {1}; Physical Curve(\"top\") = {3};";
 
-/// Bytes of a scene file: comments included, more than a server takes of a scene.
-const MOST_SCENE_BYTES: u64 = 64 << 20;
+/// Bytes of a scene file: comments included, four times what a server takes of a scene.
+const MOST_SCENE_BYTES: u64 = 16 << 20;
 
 /// Bytes of a mesh or a tool: a text of the largest mesh that a server takes.
 const MOST_BYTES: u64 = 32 << 30;
@@ -65,13 +65,7 @@ impl Input {
 
 /// Reads a scene and the mesh it names.
 pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
-    let path = &arguments.scene;
-    let text = read_text(path)?;
-    let mut file = scene_file::read(&text, path, &arguments.overrides).map_err(|error| {
-        let whole = matches!(error, SceneFileError::Syntax(_));
-        let failure = Failure::from(error);
-        if whole { failure.about(path) } else { failure }
-    })?;
+    let mut file = read_scene(&arguments.scene, &arguments.overrides)?;
     scene_file::read_values(&mut file).map_err(SceneFileError::Invalid)?;
     let mut mesh = load_mesh(&file.mesh).map_err(|failure| {
         let is_there = file.mesh.exists();
@@ -101,6 +95,28 @@ pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
         surfaces: surfaces.wire,
         drawings: surfaces.drawings,
     })
+}
+
+/// What a scene file says, with changes to it.
+fn read_scene(path: &Path, overrides: &[Override]) -> Result<SceneFile, Failure> {
+    let text = read_text(path)?;
+    scene_file::read(&text, path, overrides).map_err(|error| {
+        let whole = matches!(error, SceneFileError::Syntax(_));
+        let failure = Failure::from(error);
+        if whole { failure.about(path) } else { failure }
+    })
+}
+
+/// A scene alone, without the files that it names.
+pub(crate) fn scene_of(path: &Path) -> Result<v1::Scene, Failure> {
+    Ok(read_scene(path, &[])?.scene)
+}
+
+/// The mesh of a scene, with the path that it was read from.
+pub(crate) fn mesh_of(path: &Path) -> Result<(PathBuf, MeshFile), Failure> {
+    let mesh = read_scene(path, &[])?.mesh;
+    let read = load_mesh(&mesh)?;
+    Ok((mesh, read))
 }
 
 /// Surfaces of obstacles, and what they look like by the names of the obstacles.
@@ -158,7 +174,8 @@ pub(crate) fn name_surface(scene: &mut v1::Scene, obstacle: usize, name: String)
 fn load_surface(kind: &mut Kind, path: &Path) -> Result<(WireSurface, Triangulation), Failure> {
     let (wire, drawing) = match kind {
         Kind::Surface(surface) => {
-            let file = read_file(path, stl::read)?;
+            let weld = surface.weld.unwrap_or(stl::WELD);
+            let file = read_file(path, |bytes| stl::read_within(bytes, weld))?;
             let drawing = scene_file::facets(&file, surface.scale.unwrap_or(1.0));
             (WireSurface::new(&file)?, drawing)
         }
@@ -198,7 +215,25 @@ pub(crate) fn read_file<T, E: std::fmt::Display>(
 
 /// Reads a mesh file of any format, and what it includes beside it.
 pub(crate) fn load_mesh(path: &Path) -> Result<MeshFile, Failure> {
-    read_file(path, |bytes| reader::read(bytes, path, &mut beside(path)))
+    let told = |error: MeshFault| match error {
+        MeshFault::System(error) => Failure::unreadable(path, &error),
+        MeshFault::Content(error) => {
+            Failure::new(Exit::Invalid, format!("{}: {error}", path.display()))
+        }
+    };
+    let check = |head: &[u8]| reader::check_head(head, path).map_err(MeshFault::from);
+    let bytes = bounded_file::read_if(path, MOST_BYTES, check).map_err(told)?;
+    let mesh = reader::read(&bytes, path, &mut beside(path));
+    mesh.map_err(|error| told(error.into()))
+}
+
+/// Why a file gives no mesh: it cannot be read, or is none.
+#[derive(Debug, thiserror::Error)]
+enum MeshFault {
+    #[error(transparent)]
+    System(#[from] std::io::Error),
+    #[error(transparent)]
+    Content(#[from] ReadError),
 }
 
 /// Reads what an Abaqus deck says beside its mesh; none of other formats.

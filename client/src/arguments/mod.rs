@@ -5,6 +5,7 @@
 //! | `access`, `fleet`, `objects`, `study` | arguments of groups of commands |
 //! | `connection` | the server of a command: one that runs, or one in this process |
 //! | `input` | files that a command names |
+//! | `mesh_and_law` | a finer mesh and constants of a law for a scene |
 
 mod access;
 #[cfg(feature = "embedded")]
@@ -12,12 +13,15 @@ pub(crate) mod compared;
 pub(crate) mod connection;
 mod fleet;
 pub(crate) mod input;
+#[cfg(feature = "embedded")]
+mod mesh_and_law;
 mod objects;
 mod study;
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::builder::Resettable;
+use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use clap_complete::Shell;
 use signorini_client::scene_file::Override;
 use signorini_client::{Client, ServerAddress};
@@ -27,6 +31,10 @@ pub(crate) use access::AccessArguments;
 #[cfg(feature = "embedded")]
 pub(crate) use access::{CertsCommand, TokenCommand};
 pub(crate) use fleet::FleetCommand;
+#[cfg(feature = "embedded")]
+use mesh_and_law::{FIT_EXAMPLES, REFINE_EXAMPLES};
+#[cfg(feature = "embedded")]
+pub(crate) use mesh_and_law::{FitArguments, RefineArguments};
 pub(crate) use objects::{EmbedCommand, MeshCommand, SessionCommand};
 #[cfg(feature = "fleet")]
 pub(crate) use study::QueueArguments;
@@ -39,6 +47,28 @@ pub(crate) use study::{Slots, StudyArguments, WorkerArguments};
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
+}
+
+impl Arguments {
+    /// Those of this process; prints what is asked for, or wrong, and ends it.
+    pub(crate) fn of_process() -> Self {
+        let matches = without_empty_variables(Self::command()).get_matches();
+        Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    }
+}
+
+/// Variables that are set to nothing, as scripts and units of systemd leave them, are unset.
+fn without_empty_variables(command: clap::Command) -> clap::Command {
+    let unset = |argument: clap::Arg| {
+        let value = argument.get_env().and_then(std::env::var_os);
+        match value.is_some_and(|value| value.is_empty()) {
+            true => argument.env(Resettable::Reset),
+            false => argument,
+        }
+    };
+    command
+        .mut_args(unset)
+        .mut_subcommands(without_empty_variables)
 }
 
 const AFTER_HELP: &str = "\
@@ -157,6 +187,14 @@ pub(crate) enum Command {
         /// Scene file to write, never over another; default: the mesh's name, ending in .toml
         scene: Option<PathBuf>,
     },
+    /// Write a finer mesh for a scene: cells halved, groups and curved edges inherited
+    #[command(after_help = REFINE_EXAMPLES)]
+    #[cfg(feature = "embedded")]
+    Refine(RefineArguments),
+    /// Find the constants of a law of rubber from test curves
+    #[command(after_help = FIT_EXAMPLES)]
+    #[cfg(feature = "embedded")]
+    Fit(FitArguments),
     /// Make the page report.html of a folder of results again
     Report {
         /// Folder that solve --out or fetch --out has written
@@ -180,6 +218,10 @@ pub(crate) enum Command {
         /// Folder to make
         #[arg(value_name = "DIR")]
         target: PathBuf,
+        /// Give the files second names instead of copying them: at once and without room, and what
+        /// spoils a file of the data folder spoils the backup
+        #[arg(long)]
+        link: bool,
     },
     /// Make a data folder from a backup without faults
     #[command(after_help = DATA_EXAMPLES)]
@@ -284,6 +326,11 @@ pub(crate) struct SolveArguments {
     #[arg(long, value_name = "SECONDS", requires = "detach",
         value_parser = clap::value_parser!(u64).range(1..=LONGEST_TTL))]
     pub(crate) ttl: Option<u64>,
+    /// How long a broken connection is tried again, after which the server, too, cancels the step;
+    /// default: 60
+    #[arg(long, value_name = "SECONDS", conflicts_with = "detach",
+        value_parser = clap::value_parser!(u64).range(..=LONGEST_TTL))]
+    pub(crate) patience: Option<u64>,
     /// Recompute the residuals of each result by an independent path
     #[arg(long)]
     pub(crate) verify: bool,
@@ -402,8 +449,6 @@ pub(crate) struct CancelArguments {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory as _;
-
     use super::*;
 
     #[test]

@@ -82,6 +82,9 @@ pub(crate) enum EmbedCommand {
     Surface {
         /// The file
         path: PathBuf,
+        /// Distance of corners that are one vertex, over the diagonal of their box
+        #[arg(long)]
+        weld: Option<f64>,
     },
     /// Read a grid of heights or distances, print the messages of its upload
     Grid {

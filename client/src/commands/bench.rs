@@ -9,12 +9,10 @@ use crate::terminal::text::note;
 pub(super) async fn run(arguments: Arguments) -> Result<Exit, Failure> {
     let program = std::env::current_exe()
         .map_err(|error| Failure::new(Exit::Server, format!("this program: {error}")))?;
-    let mut interrupts = super::interrupts()?;
+    let mut interrupts = super::Interrupts::new()?;
     let watched = Watched {
         program,
-        interrupted: async {
-            interrupts.recv().await;
-        },
+        interrupted: interrupts.next(),
         note,
     };
     let finished = signorini_bench::run(arguments, watched).await?;

@@ -5,6 +5,7 @@ use signorini_server::{Flags, Settings};
 use crate::arguments::ConfigCommand;
 use crate::terminal::exit::{Exit, Failure};
 use crate::terminal::stdout::print;
+use crate::terminal::text::note;
 
 pub(super) fn run(command: ConfigCommand) -> Result<Exit, Failure> {
     match command {
@@ -13,11 +14,28 @@ pub(super) fn run(command: ConfigCommand) -> Result<Exit, Failure> {
                 config: Some(file.clone()),
                 ..Flags::default()
             };
-            let checked = signorini_server::check(&resolved(&flags)?.config);
+            let config = resolved(&flags)?.config;
+            let checked = signorini_server::check(&config);
             checked.map_err(|error| {
                 Failure::new(Exit::Usage, format!("{}: {error}", file.display()))
             })?;
+            for doubt in signorini_server::doubts(&config) {
+                note(&format!("{}: warning: {doubt}\n", file.display()));
+            }
             print(&format!("{}: no faults\n", file.display()))?;
+            let wrong = |error: signorini_server::AccessError| {
+                Failure::new(Exit::Usage, format!("{}: {error}", file.display()))
+            };
+            let ends = signorini_server::certificate_ends(&resolved(&flags)?.config);
+            for found in ends.map_err(wrong)? {
+                let soon = if found.is_near() {
+                    ": renew it now"
+                } else {
+                    ""
+                };
+                let (path, days) = (found.path.display(), found.days_left());
+                print(&format!("{path}: good for {days} days{soon}\n"))?;
+            }
         }
         ConfigCommand::Show { serve, origin: _ } => {
             let settings = resolved(&serve.flags)?;

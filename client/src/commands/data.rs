@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use signorini_server::{BackupError, JournalError};
+use signorini_server::{BackupError, Copying, JournalError};
 
 use crate::terminal::exit::{Exit, Failure};
 use crate::terminal::stdout;
 
-pub(super) fn backup(data: &Path, target: &Path) -> Result<Exit, Failure> {
-    signorini_server::backup(data, target).map_err(failure)?;
+pub(super) fn backup(data: &Path, target: &Path, copying: Copying) -> Result<Exit, Failure> {
+    signorini_server::backup(data, target, copying).map_err(failure)?;
     stdout::print(&format!("{}\n", target.display()))?;
     Ok(Exit::Ok)
 }

@@ -11,6 +11,11 @@ use crate::commands::mesh_shape::Shape;
 
 /// Lines of the list of what is not taken over.
 const LISTED: usize = 200;
+/// In the place of a law that is not taken over: the scene is refused until somebody names one.
+const UNREAD_LAW: &str = "# The law of the deck is not taken over, see the end of this file: name one here.\n\
+    # model = \"neo-hookean\"\n# shear_modulus = 1.0\n";
+/// Head of the list of what is not taken over.
+pub(crate) const LEFT_OUT: &str = "# Not taken over of the deck:";
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A deck with its mesh.
@@ -50,11 +55,24 @@ impl<'a> Deck<'a> {
         deck
     }
 
-    /// The law of a group of cells, as the lines of its table.
+    /// What the section stands for, as the line of its key.
+    pub(crate) fn kind(&self) -> Option<String> {
+        let kind = self.scene.kind?;
+        Some(format!("kind = \"{kind}\"\n"))
+    }
+
+    /// The law of a group of cells, as the lines of its table; of a material whose law is not
+    /// taken over, a comment.
     pub(crate) fn law(&self, group: &str) -> Option<String> {
         let mut laws = self.scene.laws.iter();
-        let (_, law) = laws.find(|(name, _)| name.eq_ignore_ascii_case(group))?;
-        Some(law_text(law))
+        let law = laws.find(|(name, _)| name.eq_ignore_ascii_case(group));
+        let mut materials = self.scene.materials.iter();
+        let is_material = materials.any(|name| name.eq_ignore_ascii_case(group));
+        match law {
+            Some((_, law)) => Some(law_text(law)),
+            // A law of our own choice would be solved with unseen.
+            None => is_material.then(|| UNREAD_LAW.to_owned()),
+        }
     }
 
     /// Supports, tools and steps; none where the deck has no supports and no tools.
@@ -87,7 +105,7 @@ impl<'a> Deck<'a> {
         if self.left_out.is_empty() {
             return String::new();
         }
-        let mut text = String::from("\n# Not taken over of the deck:\n");
+        let mut text = format!("\n{LEFT_OUT}\n");
         let mut left_out = self.left_out.clone();
         left_out.sort();
         for (line, told) in left_out.iter().take(LISTED) {
@@ -315,7 +333,7 @@ fn is_among(axis: usize, condition: &Condition) -> bool {
 fn law_text(law: &Law) -> String {
     let mut text = format!("model = \"{}\"\n", law.model);
     for (key, numbers) in &law.numbers {
-        let is_list = law.model == "ogden" && *key != "bulk_modulus";
+        let is_list = matches!(law.model, "ogden" | "hyperfoam") && *key != "bulk_modulus";
         let _infallible = match numbers.as_slice() {
             [one] if !is_list => writeln!(text, "{key} = {one:?}"),
             many => writeln!(text, "{key} = {many:?}"),

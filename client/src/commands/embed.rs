@@ -24,8 +24,9 @@ pub(super) async fn run(command: EmbedCommand) -> Result<Exit, Failure> {
     match command {
         EmbedCommand::Scene { path, overrides } => scene(&path, &overrides),
         EmbedCommand::Mesh { path } => mesh(&path),
-        EmbedCommand::Surface { path } => {
-            surface(WireSurface::new(&input::read_file(&path, stl::read)?)?)
+        EmbedCommand::Surface { path, weld } => {
+            let read = |bytes: &[u8]| stl::read_within(bytes, weld.unwrap_or(stl::WELD));
+            surface(WireSurface::new(&input::read_file(&path, read)?)?)
         }
         EmbedCommand::Grid { path } => {
             surface(WireSurface::of_grid(&input::read_file(&path, grid::read)?))

@@ -31,11 +31,8 @@ pub(super) async fn run(arguments: FetchArguments, started: Instant) -> Result<E
     let mut fields = lightest_field(&scene);
     if let Some(out) = &arguments.out {
         let mesh = client.read_mesh(&session.mesh).await?;
-        record.open(ResultFolder::new(
-            out,
-            &scene,
-            (&mesh, drawings(&client, &scene).await?),
-        )?)?;
+        let drawings = drawings(&client, &scene).await?;
+        record.open(ResultFolder::new(out, &scene, (&mesh, drawings))?, &scene)?;
         // Those of the scene's output.
         fields.clear();
     }

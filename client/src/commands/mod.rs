@@ -14,6 +14,8 @@ mod data;
 mod deck_draft;
 pub(crate) mod embed;
 mod fetch;
+#[cfg(feature = "embedded")]
+mod fit;
 #[cfg(feature = "fleet")]
 mod fleet;
 mod init;
@@ -21,6 +23,8 @@ mod man;
 mod mesh;
 mod mesh_shape;
 mod plan;
+#[cfg(feature = "embedded")]
+mod refine;
 mod report;
 mod scene_draft;
 mod serve;
@@ -57,12 +61,19 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Check(arguments) => runtime.block_on(check::run(arguments)),
         Command::Plan(arguments) => runtime.block_on(plan::run(arguments)),
         Command::Init { mesh, scene } => init::run(&mesh, scene),
+        #[cfg(feature = "embedded")]
+        Command::Refine(arguments) => refine::run(&arguments),
+        #[cfg(feature = "embedded")]
+        Command::Fit(arguments) => fit::run(&arguments),
         Command::Report { folder } => report::run(&folder),
         Command::Serve(arguments) => runtime.block_on(serve::run(arguments)),
         #[cfg(feature = "embedded")]
         Command::Config(command) => config::run(command),
         #[cfg(feature = "embedded")]
-        Command::Backup { data, target } => data::backup(&data, &target),
+        Command::Backup { data, target, link } => {
+            let copying = link.then_some(signorini_server::Copying::Links);
+            data::backup(&data, &target, copying.unwrap_or_default())
+        }
         #[cfg(feature = "embedded")]
         Command::Restore { backup, data } => data::restore(&backup, &data),
         #[cfg(feature = "embedded")]
@@ -88,13 +99,24 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
     }
 }
 
-/// Presses of Ctrl-C from now on.
-fn interrupts() -> Result<Signal, Failure> {
-    signals(SignalKind::interrupt())
-}
+/// Presses of Ctrl-C, and wishes of the system that the process end, from now on.
+struct Interrupts(Signal, Signal);
 
-fn signals(kind: SignalKind) -> Result<Signal, Failure> {
-    signal(kind).map_err(|error| Failure::new(Exit::Server, format!("no signals: {error}")))
+impl Interrupts {
+    fn new() -> Result<Self, Failure> {
+        let listen = |kind| {
+            signal(kind).map_err(|error| Failure::new(Exit::Server, format!("no signals: {error}")))
+        };
+        let terminations = listen(SignalKind::terminate())?;
+        Ok(Self(listen(SignalKind::interrupt())?, terminations))
+    }
+
+    async fn next(&mut self) {
+        tokio::select! {
+            _ = self.0.recv() => {}
+            _ = self.1.recv() => {}
+        }
+    }
 }
 
 /// Tells the work to stop when Ctrl-C is pressed or the system asks the process to end, and quits
@@ -103,12 +125,9 @@ async fn stop_when_interrupted(
     stop: &tokio::sync::watch::Sender<bool>,
     tell: impl Fn(&str),
 ) -> Result<(), Failure> {
-    let (mut interrupts, mut terminations) = (interrupts()?, signals(SignalKind::terminate())?);
+    let mut interrupts = Interrupts::new()?;
     loop {
-        tokio::select! {
-            _ = interrupts.recv() => {}
-            _ = terminations.recv() => {}
-        }
+        interrupts.next().await;
         if stop.send_replace(true) {
             tell("stopped");
             std::process::exit(Exit::Interrupted as i32);
@@ -147,6 +166,7 @@ async fn open_session(client: &Client, name: &str) -> Result<(v1::Session, v1::S
 fn lightest_field(scene: &v1::Scene) -> Vec<v1::FieldName> {
     let weight = |field: &v1::FieldName| match field {
         v1::FieldName::ContactState
+        | v1::FieldName::ContactPath
         | v1::FieldName::Gap
         | v1::FieldName::ContactPressure
         | v1::FieldName::ContactPressureDeformed

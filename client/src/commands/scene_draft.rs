@@ -32,7 +32,9 @@ pub(crate) fn draft(mesh: &MeshFile, named: &str, deck: Option<&DeckScene>) -> S
          # units = {{ length = \"mm\", force = \"N\", stress = \"MPa\" }}\nmesh = {}\n",
         quoted(named)
     );
-    text.push_str(body.kind());
+    let section = deck.as_ref().filter(|_| mesh.vertices_per_cell == 3);
+    let kind = section.and_then(Deck::kind);
+    text.push_str(kind.as_deref().unwrap_or(body.kind()));
     text.push_str(&body.materials(deck.as_ref()));
     let conditions = deck.as_mut().and_then(Deck::conditions);
     text.push_str(&conditions.unwrap_or_else(|| body.surfaces()));
@@ -226,7 +228,7 @@ fn material(group: &str, law: Option<String>) -> String {
     }
     format!(
         "[material.{key}]\n\
-         model = \"neo-hookean\"  # or mooney-rivlin, yeoh, polynomial, gent, arruda-boyce, ogden, linear-elastic\n\
+         model = \"neo-hookean\"  # or mooney-rivlin, yeoh, polynomial, gent, arruda-boyce, van-der-waals, ogden, hyperfoam, blatz-ko, linear-elastic\n\
          shear_modulus = 1.0\n\
          # bulk_modulus = 1000.0  # left out: the volume cannot change\n"
     )

@@ -4,8 +4,9 @@ mod detach;
 mod run;
 
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
+use signorini_client::solve::PATIENCE;
 use signorini_client::{NewSession, session_id};
 use signorini_proto::v1;
 
@@ -25,7 +26,8 @@ pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<E
     }
     let mut input = input::load(&arguments.scene)?;
     complete(&mut input.scene, &arguments);
-    let mut run = Run::new(record(&arguments, &input.scene.steps));
+    let patience = arguments.patience.map_or(PATIENCE, Duration::from_secs);
+    let mut run = Run::new(record(&arguments, &input.scene.steps), patience);
     run.record.input(&input.mesh.warnings);
     run.record.progress.phase("starting");
     let connection = Connection::open(&arguments.scene).await?;
@@ -48,6 +50,12 @@ fn complete(scene: &mut v1::Scene, arguments: &SolveArguments) {
         output.fields.clear();
     } else if output.fields.is_empty() {
         output.fields = DEFAULT_FIELDS.map(i32::from).to_vec();
+    }
+    // Where the pressure is written, so is its path, which no scene in space has.
+    let fields = &mut output.fields;
+    let [pressure, path] = [v1::FieldName::ContactPressure, v1::FieldName::ContactPath];
+    if fields.contains(&pressure.into()) && !fields.contains(&path.into()) {
+        fields.push(path.into());
     }
 }
 
@@ -100,7 +108,8 @@ fn begin(
 ) -> Result<(), Failure> {
     if let Some(out) = out {
         let picture = (&input.mesh, std::mem::take(&mut input.drawings));
-        record.open(ResultFolder::new(out, &input.scene, picture)?)?;
+        let folder = ResultFolder::new(out, &input.scene, picture)?;
+        record.open(folder, &input.scene)?;
     }
     record.plan(plan, input.scene.units.as_ref())?;
     record.progress.phase("preparing");

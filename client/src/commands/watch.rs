@@ -6,7 +6,7 @@ use signorini_client::ClientError;
 use signorini_client::solve::{Events, Watch, WatchOptions};
 use signorini_proto::v1;
 
-use super::{interrupts, lightest_field, open_session};
+use super::{Interrupts, lightest_field, open_session};
 use crate::arguments::WatchArguments;
 use crate::report::record::Record;
 use crate::terminal::exit::{Exit, Failure};
@@ -41,11 +41,11 @@ async fn follow(
     mut events: Events,
     until: v1::WatchEnd,
 ) -> Result<Exit, Failure> {
-    let mut interrupts = interrupts()?;
+    let mut interrupts = Interrupts::new()?;
     loop {
         let event = tokio::select! {
             event = events.next() => event,
-            Some(()) = interrupts.recv() => return Ok(Exit::Interrupted),
+            () = interrupts.next() => return Ok(Exit::Interrupted),
         };
         match event {
             Ok(Some(event)) => {

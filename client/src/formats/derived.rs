@@ -21,6 +21,8 @@ pub enum OutOfPlane {
     Nothing,
     /// The circle about the axis x = 0.
     Hoop,
+    /// The thickness of a sheet whose volume does not change.
+    Thickness,
 }
 
 /// Von Mises stress from rows of xx yy zz xy yz zx.
@@ -94,9 +96,12 @@ impl Nodes {
                     .for_each(|(entry, slope)| *entry += u * slope);
             }
         }
-        if out == OutOfPlane::Hoop {
-            gradient[2][2] = self.hoop();
-        }
+        let [[xx, xy, _], [yx, yy, _], _] = gradient;
+        gradient[2][2] = match out {
+            OutOfPlane::Nothing => gradient[2][2],
+            OutOfPlane::Hoop => self.hoop(),
+            OutOfPlane::Thickness => 1.0 / (xx * yy - xy * yx),
+        };
         gradient
     }
 
@@ -276,6 +281,10 @@ mod tests {
         close(
             &principal_stretches(&grid, &motion, OutOfPlane::Nothing),
             &[1.5, 1.0, 0.5],
+        );
+        close(
+            &principal_stretches(&grid, &motion, OutOfPlane::Thickness),
+            &[1.5, 1.0 / 0.75, 0.5],
         );
         // A quadratic bulge of an edge has its slope at the centroid.
         let mut bulge = vec![0.0; 18];

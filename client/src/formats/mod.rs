@@ -8,6 +8,7 @@ pub mod contact_patch;
 pub mod derived;
 pub mod grid;
 pub mod inp;
+pub mod leak_path;
 pub mod mesh;
 pub mod msh;
 pub mod pvd;

@@ -84,6 +84,28 @@ impl Format {
     }
 }
 
+/// Judges a file by its first bytes, before the rest is read.
+///
+/// # Errors
+/// [`ReadError`] for one that no reader takes.
+pub fn check_head(head: &[u8], path: &Path) -> Result<(), ReadError> {
+    let head = head.get(..HEAD).unwrap_or(head);
+    let format = Format::of(head, path).ok_or(ReadError::UnknownFormat)?;
+    let text = head.trim_ascii_start();
+    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+    let begins = match (format, text.first()) {
+        (Format::Msh, Some(b'$')) | (Format::Inp, Some(b'*')) => true,
+        (Format::Vtk, Some(b'#' | b'<')) => true,
+        // An empty file is short enough for its reader.
+        (_, first) => first.is_none() && head.len() < HEAD,
+    };
+    if begins {
+        return Ok(());
+    }
+    // What its reader says to the first line.
+    read(head, path, &mut |_| Ok(Vec::new())).map(drop)
+}
+
 /// Reads a mesh in any of the formats; `path` is the name of its file, and `beside` reads the
 /// files that it includes by their paths below the folder of it.
 ///
@@ -117,6 +139,29 @@ mod tests {
         assert_eq!(of(b"solid", "part.VTU"), Some(Format::Vtk));
         assert_eq!(of(b"solid", "part.stl"), None);
         assert_eq!(of(b"", "part"), None);
+    }
+
+    #[test]
+    fn the_first_bytes_tell_what_is_no_mesh() {
+        let zeros = vec![0; HEAD];
+        for (path, head) in [
+            ("part.msh", &zeros[..]),
+            ("part.msh", b"solid part\n facet normal"),
+            ("part.vtu", b"PK\x03\x04"),
+            ("part.inp", b"hello\nworld\n"),
+            ("part", b"hello"),
+            ("part.step", b"ISO-10303-21;"),
+        ] {
+            assert!(check_head(head, Path::new(path)).is_err(), "{path}");
+        }
+        for (path, head) in [
+            ("part.msh", &b"$MeshFormat\n4.1 0 8\n"[..]),
+            ("part.msh", b"\n$PhysicalNames\n"),
+            ("part", b"** made by X\n"),
+            ("part.vtk", b"# vtk DataFile Version 2.0\n"),
+        ] {
+            assert_eq!(check_head(head, Path::new(path)), Ok(()), "{path}");
+        }
     }
 
     #[test]

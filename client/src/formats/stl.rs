@@ -1,7 +1,7 @@
 //! Triangulated surfaces from STL files, text or binary.
 //!
-//! A file repeats the corners of every facet: those nearer than [`WELD`] of the diagonal of their
-//! box are one vertex. A text of several solids is one surface of all of them. Whether the surface is closed and oriented is for the service to say.
+//! A file repeats the corners of every facet: those nearer than a tolerance, [`WELD`] of the diagonal
+//! of their box unless the caller has one, are one vertex. A text of several solids is one surface of all of them. Whether the surface is closed and oriented is for the service to say.
 //! Normals of the file are not read. Cost: one pass, some 100 bytes a facet.
 
 mod text;
@@ -10,10 +10,10 @@ mod weld;
 use std::borrow::Cow;
 use std::io::Cursor;
 
-use weld::weld;
-
 /// Distance of corners that are one vertex, over the diagonal of the surface's box.
 pub const WELD: f64 = 1e-6;
+/// The largest that a caller may ask for: beyond it vertices of the tool itself go.
+pub const MOST_WELD: f64 = 0.01;
 /// Bytes of a binary file before its facets: header and count.
 const BINARY_HEADER: usize = 84;
 /// Bytes of a facet in a binary file.
@@ -75,6 +75,15 @@ pub fn write(surface: &SurfaceFile) -> String {
 /// # Errors
 /// [`StlError`] with the facet.
 pub fn read(bytes: &[u8]) -> Result<SurfaceFile, StlError> {
+    read_within(bytes, WELD)
+}
+
+/// Reads a file whose corners are one vertex up to `weld` of the diagonal of their box, from 0 to
+/// [`MOST_WELD`].
+///
+/// # Errors
+/// [`StlError`] with the facet.
+pub fn read_within(bytes: &[u8], weld: f64) -> Result<SurfaceFile, StlError> {
     let corners = match text_of(bytes) {
         Some(text) => text::corners(&text)?,
         None => binary(bytes)?,
@@ -86,7 +95,7 @@ pub fn read(bytes: &[u8]) -> Result<SurfaceFile, StlError> {
     if corners.is_empty() {
         Err(StlError::Empty)
     } else {
-        Ok(weld(&corners))
+        Ok(weld::weld(&corners, weld.clamp(0.0, MOST_WELD)))
     }
 }
 
@@ -192,6 +201,26 @@ mod tests {
         for (a, b) in both {
             assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-7));
         }
+    }
+
+    #[test]
+    fn corners_that_differ_by_the_rounding_of_a_program_are_one_within_a_tolerance_that_is_named() {
+        // Every facet has rounded its corners for itself.
+        let mut surface = read(text().as_bytes()).unwrap();
+        let corners = surface.facets.as_flattened().iter().enumerate();
+        let rounded = corners.map(|(index, corner)| {
+            let off = 1e-5 * ((index * 7 % 5) as f64 - 2.0);
+            surface.vertices[*corner as usize].map(|x| x + off)
+        });
+        surface.vertices = rounded.collect();
+        surface.facets = (0..4)
+            .map(|facet| [0, 1, 2].map(|k| 3 * facet + k))
+            .collect();
+        let file = write(&surface);
+        let count = |weld: f64| read_within(file.as_bytes(), weld).unwrap().vertices.len();
+        assert!(count(WELD) > 4 && read(file.as_bytes()).unwrap().vertices.len() == count(WELD));
+        assert_eq!((count(1e-4), count(MOST_WELD), count(1.0)), (4, 4, 4));
+        assert!(count(0.0) == count(f64::MIN_POSITIVE) && count(0.0) >= count(WELD));
     }
 
     #[test]

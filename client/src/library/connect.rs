@@ -130,7 +130,7 @@ impl Client {
             })
             .map_err(|error| ClientError::Unreachable {
                 address: address.to_string(),
-                message: root_cause(&error),
+                message: told(&error, &address.to_string()),
             })
     }
 
@@ -211,7 +211,7 @@ fn named(channel: Channel, address: String, token: Option<HeaderValue>) -> Trans
         request
     });
     Transport::new(shown.map_err(move |error| {
-        let (message, stage) = (root_cause(&error), stage(&error));
+        let (message, stage) = (told(&error, &address), stage(&error));
         Unanswered {
             address,
             message,
@@ -222,15 +222,31 @@ fn named(channel: Channel, address: String, token: Option<HeaderValue>) -> Trans
 
 /// A call that is reset by itself was given up by somebody who goes on answering.
 fn stage(error: &tonic::transport::Error) -> Stage {
-    let mut cause = Some(error as &dyn std::error::Error);
-    while let Some(error) = cause {
-        let http = error.downcast_ref::<h2::Error>();
-        if http.is_some_and(|error| error.is_reset() && error.is_remote()) {
-            return Stage::Call;
-        }
-        cause = error.source();
+    let is_reset = |error: &h2::Error| error.is_reset() && error.is_remote();
+    if of_http2(error).any(is_reset) {
+        return Stage::Call;
     }
     Stage::Connection
+}
+
+/// What happened, and what to try where somebody answers who is not understood: records of
+/// transport security, read as a frame, have a size that none has, as has a page of HTTP/1.
+fn told(error: &tonic::transport::Error, address: &str) -> String {
+    let said = root_cause(error);
+    let is_no_frame = |error: &h2::Error| error.reason() == Some(h2::Reason::FRAME_SIZE_ERROR);
+    match address.strip_prefix("http://") {
+        Some(host) if of_http2(error).any(is_no_frame) => format!(
+            "what it says is no HTTP/2 without TLS ({said}); a server with TLS is at https://{host}"
+        ),
+        _ => said,
+    }
+}
+
+/// The errors of HTTP/2 among the causes of another one.
+fn of_http2(error: &tonic::transport::Error) -> impl Iterator<Item = &h2::Error> {
+    let first: &dyn std::error::Error = error;
+    std::iter::successors(Some(first), |error| error.source())
+        .filter_map(|error| error.downcast_ref::<h2::Error>())
 }
 
 /// Whether nobody but this machine reads what is sent there.
@@ -328,6 +344,32 @@ mod tests {
         ] {
             assert!(wrong.parse::<ServerAddress>().is_err(), "{wrong}");
         }
+    }
+
+    #[tokio::test]
+    async fn a_server_with_tls_that_is_asked_without_is_named_with_its_address() {
+        use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+        let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let place = listener.local_addr().unwrap();
+        // A record of TLS 1.2 that says "no record of TLS".
+        let alert = [0x15, 3, 3, 0, 2, 2, 10];
+        tokio::spawn(async move {
+            while let Ok((mut stream, _)) = listener.accept().await {
+                // The preface of HTTP/2.
+                stream.read_exact(&mut [0; 24]).await.unwrap();
+                stream.write_all(&alert).await.unwrap();
+            }
+        });
+        let address = place.to_string().parse::<ServerAddress>().unwrap();
+        let error = match Client::connect(&address).await {
+            Ok(client) => client.list_sessions().await.err(),
+            Err(error) => Some(error),
+        };
+        let told = error.expect("nobody who is understood").to_string();
+        assert!(
+            told.contains(&format!("TLS is at https://{place}")),
+            "{told}"
+        );
     }
 
     #[tokio::test]

@@ -157,7 +157,7 @@ impl Updates {
 
     async fn send(&mut self, request: Request) -> Result<i64, ClientError> {
         let sequence = self.next;
-        let order = Order::Update(sequence, request);
+        let order = Order::Update(sequence, Box::new(request));
         let sent = self.orders.send(order).await;
         sent.map_err(|_| ClientError::Closed)?;
         self.next += 1;

@@ -95,6 +95,7 @@ fn every_column_of_the_table_is_on_the_page_and_no_other() {
         obstacles: BTreeMap::from([(named(), v1::ObstacleResult::default())]),
         supports: BTreeMap::from([(named(), v1::SupportResult::default())]),
         probes: BTreeMap::from([(named(), v1::ProbeResult::default())]),
+        fluids: BTreeMap::from([(named(), v1::FluidResult::default())]),
         ..Default::default()
     };
     let known: BTreeSet<String> = results_csv::header(&report).into_iter().collect();

@@ -7,6 +7,7 @@ use signorini_client::solve::{Event, Increment};
 use signorini_proto::v1;
 
 use crate::report::page;
+use crate::report::path_csv::PathCsv;
 use crate::report::results::ResultFolder;
 use crate::report::results_csv::ResultsCsv;
 use crate::report::table::{self, Detail, Rows};
@@ -39,6 +40,7 @@ pub(crate) struct Record {
 struct Folder {
     results: ResultFolder,
     csv: ResultsCsv,
+    path: PathCsv,
 }
 
 impl Record {
@@ -61,11 +63,12 @@ impl Record {
         }
     }
 
-    /// Makes the folder for the results and starts its files anew.
-    pub(crate) fn open(&mut self, results: ResultFolder) -> Result<(), Failure> {
+    /// Makes the folder for the results of `scene` and starts its files anew.
+    pub(crate) fn open(&mut self, results: ResultFolder, scene: &v1::Scene) -> Result<(), Failure> {
         self.lines.open_file(&results.lines())?;
         let csv = ResultsCsv::create(results.path())?;
-        self.folder = Some(Folder { results, csv });
+        let path = PathCsv::new(results.path(), scene)?;
+        self.folder = Some(Folder { results, csv, path });
         Ok(())
     }
 
@@ -131,6 +134,7 @@ impl Record {
         self.travels.see(&increment.report);
         if let Some(folder) = &mut self.folder {
             folder.csv.add(&increment.report, &self.travels)?;
+            folder.path.add(&increment)?;
             folder.results.add(&increment)?;
             if increment.fields_dropped {
                 self.warn(&["the fields of a result are no longer kept by the server".to_owned()]);

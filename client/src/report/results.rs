@@ -1,8 +1,8 @@
 //! The folder of `--out`: a PVD series of VTU files (the body) and VTP files
-//! (the obstacles, and where they are touched), beside the result lines.
+//! (the obstacles, where they are touched, and where fluids leak), beside the result lines.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 use signorini_client::formats::Notes;
@@ -10,6 +10,7 @@ use signorini_client::formats::contact_patch::PatchSurface;
 use signorini_client::formats::derived::{
     OutOfPlane, principal_stresses, principal_stretches, von_mises,
 };
+use signorini_client::formats::leak_path;
 use signorini_client::formats::mesh::MeshFile;
 use signorini_client::formats::pvd::{self, PvdEntry};
 use signorini_client::formats::vtp::{self, BoundingBox, Pose, Triangulation};
@@ -18,6 +19,7 @@ use signorini_client::scene_file::{drawn_near, file_drawn_near};
 use signorini_client::solve::{Field, Increment};
 use signorini_proto::{v1, words};
 
+use super::stem::{file_stem, unique_stems};
 use super::units;
 use crate::terminal::exit::{Exit, Failure};
 use crate::terminal::whole_file;
@@ -37,11 +39,11 @@ pub(crate) const DEFAULT_FIELDS: [v1::FieldName; 5] = [
 /// Fields that are made of the stress and the displacement.
 pub(crate) const DERIVED: [&str; 3] = ["von_mises", "principal_stresses", "principal_stretches"];
 
-/// Bytes of a name in the name of a file: two and a number fit every file system.
-const LONGEST_STEM: usize = 100;
-
 /// What the name of a contact patch has after that of its obstacle.
 const PATCH: &str = "_contact";
+
+/// What the name of a leak path has after that of its fluid.
+const LEAK: &str = "_leak";
 
 /// Name of the result lines in the folder.
 pub(crate) const LINES: &str = "results.jsonl";
@@ -65,6 +67,8 @@ pub(crate) struct ResultFolder {
     obstacles: Vec<(String, String, v1::Shape)>,
     /// Where each of these may be touched, by the part of a file's name.
     touched: Vec<(String, PatchSurface)>,
+    /// Names of fluids, and the part of a file's name that stands for the leak path of each.
+    fluids: Vec<(String, String)>,
     drawings: Drawings,
     entries: Vec<PvdEntry>,
     written: usize,
@@ -91,13 +95,17 @@ impl ResultFolder {
         let body = BoundingBox::of(&points);
         let names = scene.obstacles.iter().map(|one| one.name.clone());
         let patches = scene.obstacles.iter().map(|one| one.name.clone() + PATCH);
-        let mut stems = unique_stems(names.chain(patches));
+        let leaks = scene.fluids.iter().map(|one| one.name.clone() + LEAK);
+        let mut stems = unique_stems(names.chain(patches).chain(leaks));
+        let of_leaks = stems.split_off(2 * scene.obstacles.len());
         let of_patches = stems.split_off(scene.obstacles.len());
         let obstacles = scene.obstacles.iter().zip(stems);
         let shapes =
             obstacles.filter_map(|(one, stem)| Some((one.name.clone(), stem, one.shape.clone()?)));
         let obstacles = scene.obstacles.iter().zip(of_patches);
         let touched = obstacles.map(|(one, stem)| (stem, PatchSurface::new(mesh, &one.on)));
+        let names = scene.fluids.iter().map(|one| one.name.clone());
+        let fluids = names.zip(of_leaks);
         Ok(Self {
             folder: folder.to_owned(),
             stem: file_stem(&scene.name),
@@ -108,6 +116,7 @@ impl ResultFolder {
             body,
             obstacles: shapes.collect(),
             touched: touched.collect(),
+            fluids: fluids.collect(),
             drawings,
             entries: Vec::new(),
             written: 0,
@@ -131,7 +140,8 @@ impl ResultFolder {
 
     /// Writes the files of an increment that came with fields.
     pub(crate) fn add(&mut self, increment: &Increment) -> Result<(), Failure> {
-        if increment.fields.is_empty() {
+        let mut fields = increment.fields.iter();
+        if fields.all(|field| field.name == v1::FieldName::ContactPath) {
             return Ok(());
         }
         self.written += 1;
@@ -144,6 +154,7 @@ impl ResultFolder {
             self.add_obstacle(part, &increment.report, number, &near)?;
         }
         self.add_patches(increment, number)?;
+        self.add_leak_paths(&increment.report, number)?;
         // Rewritten each time, so that an interrupted run leaves a whole series.
         let series = self.series();
         write(&series, pvd::write(&self.entries).as_bytes())
@@ -158,7 +169,10 @@ impl ResultFolder {
     }
 
     fn body_file(&self, fields: &[Field], time: f64) -> Result<Vec<u8>, Failure> {
-        let named = fields.iter().map(|field| Named {
+        let on_body = fields
+            .iter()
+            .filter(|field| field.name != v1::FieldName::ContactPath);
+        let named = on_body.map(|field| Named {
             name: words::field(field.name),
             components: field.components,
             values: Cow::Borrowed(field.values.as_slice()),
@@ -267,6 +281,28 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Writes the path on which each fluid leaks first, where it has one.
+    fn add_leak_paths(&mut self, report: &v1::StepReport, number: usize) -> Result<(), Failure> {
+        let first = self.obstacles.len() + self.touched.len() + 1;
+        let paths = self
+            .fluids
+            .iter()
+            .enumerate()
+            .filter_map(|(place, (name, stem))| {
+                let path = report.fluids.get(name)?.leak_path.as_ref()?;
+                let mut notes = self.notes(report.time);
+                notes.texts.push(("fluid".to_owned(), name.clone()));
+                let (points, _) = path.points.as_chunks::<3>();
+                let drawn = leak_path::write(points, &path.pressures, &notes);
+                let file = format!("{}_{stem}_{number:04}.vtp", self.stem);
+                Some((first + place, file, drawn))
+            });
+        for (part, file, bytes) in paths.collect::<Vec<_>>() {
+            self.put(report.time, part, file, &bytes)?;
+        }
+        Ok(())
+    }
+
     fn put(&mut self, time: f64, part: usize, file: String, bytes: &[u8]) -> Result<(), Failure> {
         write(&self.folder.join(&file), bytes)?;
         self.entries.push(PvdEntry { time, part, file });
@@ -281,29 +317,45 @@ struct Named<'a> {
     values: Cow<'a, [f64]>,
 }
 
-/// Whether a scene has rubber, whose stretches are drawn, and what stretches out of its plane.
+/// Whether a scene has rubber, whose stretches are drawn, and what stretches out of its plane; none in
+/// a sheet whose volume can change, where the displacement does not tell.
 fn stretches(scene: &v1::Scene) -> Option<OutOfPlane> {
+    let laws: Vec<bool> = scene
+        .materials
+        .iter()
+        .filter_map(has_fixed_volume)
+        .collect();
+    if laws.is_empty() {
+        return None;
+    }
+    match scene.kind() {
+        v1::SceneKind::Axisymmetric => Some(OutOfPlane::Hoop),
+        v1::SceneKind::PlaneStress => {
+            let is_fixed = laws.len() == scene.materials.len() && laws.iter().all(|&one| one);
+            is_fixed.then_some(OutOfPlane::Thickness)
+        }
+        v1::SceneKind::Unspecified | v1::SceneKind::Solid | v1::SceneKind::PlaneStrain => {
+            Some(OutOfPlane::Nothing)
+        }
+    }
+}
+
+/// Whether a law of finite strain keeps the volume; none of other materials.
+fn has_fixed_volume(material: &v1::Material) -> Option<bool> {
     use v1::material::Model;
-    let is_rubber = |material: &v1::Material| match material.model {
-        Some(
-            Model::MooneyRivlin(_)
-            | Model::NeoHookean(_)
-            | Model::Yeoh(_)
-            | Model::Ogden(_)
-            | Model::Polynomial(_)
-            | Model::Gent(_)
-            | Model::ArrudaBoyce(_),
-        ) => true,
-        Some(Model::LinearElastic(_) | Model::Stokes(_)) | None => false,
+    let bulk_modulus = match material.model.as_ref()? {
+        Model::MooneyRivlin(law) => law.bulk_modulus,
+        Model::NeoHookean(law) => law.bulk_modulus,
+        Model::Yeoh(law) => law.bulk_modulus,
+        Model::Ogden(law) => law.bulk_modulus,
+        Model::Polynomial(law) => law.bulk_modulus,
+        Model::Gent(law) => law.bulk_modulus,
+        Model::ArrudaBoyce(law) => law.bulk_modulus,
+        Model::VanDerWaals(law) => law.bulk_modulus,
+        Model::Hyperfoam(_) | Model::BlatzKo(_) => return Some(false),
+        Model::LinearElastic(_) | Model::Stokes(_) => return None,
     };
-    let out = match scene.kind() {
-        v1::SceneKind::Axisymmetric => OutOfPlane::Hoop,
-        v1::SceneKind::Unspecified
-        | v1::SceneKind::Solid
-        | v1::SceneKind::PlaneStrain
-        | v1::SceneKind::PlaneStress => OutOfPlane::Nothing,
-    };
-    scene.materials.iter().any(is_rubber).then_some(out)
+    Some(bulk_modulus.is_none())
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
@@ -318,62 +370,5 @@ fn pose_of(pose: &v1::ObstaclePose) -> Pose {
     Pose {
         translation: three(&pose.translation),
         rotation: three(&pose.rotation),
-    }
-}
-
-/// A name as part of a file name.
-fn file_stem(name: &str) -> String {
-    let safe = |c: char| {
-        if c.is_alphanumeric() || matches!(c, '-' | '_' | '.') {
-            c
-        } else {
-            '_'
-        }
-    };
-    let stem: String = name.chars().map(safe).collect();
-    let stem = stem.trim_start_matches('.');
-    let end = (0..=LONGEST_STEM.min(stem.len()))
-        .rev()
-        .find(|end| stem.is_char_boundary(*end));
-    match stem.get(..end.unwrap_or(0)) {
-        None | Some("") => "scene".to_owned(),
-        Some(stem) => stem.to_owned(),
-    }
-}
-
-/// As [`file_stem`] for each name, no two alike, also where case does not count.
-fn unique_stems(names: impl Iterator<Item = String>) -> Vec<String> {
-    let mut taken = HashSet::new();
-    let unique = |name: String| {
-        let plain = file_stem(&name);
-        let numbered = (2..).map(|number| format!("{plain}_{number}"));
-        let mut all = std::iter::once(plain.clone()).chain(numbered);
-        let free = all.find(|stem| taken.insert(stem.to_lowercase()));
-        // There is always a free number.
-        free.unwrap_or(plain)
-    };
-    names.map(unique).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_become_safe_parts_of_file_names() {
-        assert_eq!(file_stem("hertz-sphere 2/3"), "hertz-sphere_2_3");
-        assert_eq!(file_stem("../../etc"), "_.._etc");
-        assert_eq!(file_stem(""), "scene");
-        assert_eq!(file_stem(&"\u{b5}".repeat(256)).len(), LONGEST_STEM);
-    }
-
-    #[test]
-    fn no_two_names_share_a_file() {
-        let names = ["a b", "a_b", "A_b", "a_b_2", "", "scene"];
-        let stems = unique_stems(names.into_iter().map(str::to_owned));
-        assert_eq!(
-            stems,
-            ["a_b", "a_b_2", "A_b_3", "a_b_2_2", "scene", "scene_2"]
-        );
     }
 }

@@ -1,7 +1,7 @@
 //! `results.csv`: one row an increment, for spreadsheets.
 //!
-//! The columns are those of the first result: what runs, then each obstacle, support
-//! and probe by name. A number that a result does not have is left empty.
+//! The columns are those of the first result: what runs, then each obstacle, support,
+//! probe and fluid by name. A number that a result does not have is left empty.
 
 use std::fs::File;
 use std::path::Path;
@@ -15,6 +15,18 @@ use crate::terminal::whole_file;
 
 /// Name of the file in a folder of results.
 pub(crate) const FILE: &str = "results.csv";
+
+/// What is told of a fluid before its force.
+const OF_FLUID: [&str; 8] = [
+    "pressure",
+    "tightness",
+    "blow_off_low",
+    "blow_off_high",
+    "margin",
+    "margin_over_pressure",
+    "sealed_width",
+    "wet_area",
+];
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -30,6 +42,7 @@ struct Columns {
     obstacles: Vec<String>,
     supports: Vec<String>,
     probes: Vec<String>,
+    fluids: Vec<String>,
 }
 
 impl ResultsCsv {
@@ -76,6 +89,7 @@ impl Columns {
             obstacles: report.obstacles.keys().cloned().collect(),
             supports: report.supports.keys().cloned().collect(),
             probes: report.probes.keys().cloned().collect(),
+            fluids: report.fluids.keys().cloned().collect(),
         }
     }
 
@@ -120,6 +134,10 @@ impl Columns {
             header.extend(AXES.map(|axis| format!("{name}.displacement_{axis}")));
             header.push(format!("{name}.pressure"));
         }
+        for name in &self.fluids {
+            header.extend(OF_FLUID.map(|column| format!("fluid.{name}.{column}")));
+            header.extend(AXES.map(|axis| format!("fluid.{name}.force_{axis}")));
+        }
         header
     }
 
@@ -161,6 +179,9 @@ impl Columns {
             row.extend(three(probe.map(|result| result.displacement.as_slice())));
             row.push(cell(probe.and_then(|result| result.pressure)));
         }
+        for name in &self.fluids {
+            row.extend(wet(report.fluids.get(name)));
+        }
         row
     }
 }
@@ -177,6 +198,27 @@ fn contact(obstacle: Option<&v1::ObstacleResult>) -> Vec<String> {
     ];
     let place = obstacle.map(|result| result.peak_pressure_place.as_slice());
     numbers.map(cell).into_iter().chain(three(place)).collect()
+}
+
+/// A fluid, in the order of its columns.
+fn wet(fluid: Option<&v1::FluidResult>) -> Vec<String> {
+    let path = fluid.and_then(|result| result.leak_path.as_ref());
+    let numbers = [
+        fluid.and_then(|result| result.blow_off_low),
+        fluid.and_then(|result| result.blow_off_high),
+        path.map(|path| path.margin),
+        path.map(|path| path.margin_over_pressure),
+        path.map(|path| path.sealed_width),
+        fluid.map(|result| result.wet_area),
+    ];
+    let tightness = fluid.map(|result| words::tightness(result.tightness()));
+    let mut row = vec![
+        cell(fluid.map(|result| result.pressure)),
+        tightness.unwrap_or_default(),
+    ];
+    row.extend(numbers.map(cell));
+    row.extend(three(fluid.map(|result| result.force.as_slice())));
+    row
 }
 
 /// As many digits as the double has.
@@ -201,6 +243,23 @@ mod tests {
 
     use super::*;
 
+    fn leaking() -> v1::FluidResult {
+        v1::FluidResult {
+            pressure: 3.0,
+            tightness: v1::Tightness::Leaks.into(),
+            blow_off_low: Some(3.0),
+            blow_off_high: Some(3.03),
+            wet_area: 0.5,
+            force: vec![0.0, 0.0, -1.0],
+            leak_path: Some(v1::LeakPath {
+                margin: 3.25,
+                margin_over_pressure: 0.25,
+                ..Default::default()
+            }),
+            ..Default::default()
+        }
+    }
+
     #[test]
     fn a_row_has_a_cell_for_every_column_and_numbers_keep_their_digits() {
         let obstacle = v1::ObstacleResult {
@@ -212,6 +271,7 @@ mod tests {
             obstacles: BTreeMap::from([("top".to_owned(), obstacle)]),
             supports: BTreeMap::from([("base".to_owned(), v1::SupportResult::default())]),
             probes: BTreeMap::from([("tip".to_owned(), v1::ProbeResult::default())]),
+            fluids: BTreeMap::from([("water".to_owned(), leaking())]),
             strain_energy: 0.1 + 0.2,
             ..Default::default()
         };
@@ -224,6 +284,14 @@ mod tests {
         };
         assert_eq!(of("strain_energy"), "0.30000000000000004");
         assert_eq!((of("top.force_z"), of("top.travel")), ("-2", ""));
+        assert_eq!(of("fluid.water.tightness"), "leaks");
+        let bracket = ["blow_off_low", "blow_off_high"].map(|end| format!("fluid.water.{end}"));
+        assert_eq!(bracket.map(|end| of(&end).to_owned()), ["3", "3.03"]);
+        assert_eq!(of("fluid.water.margin_over_pressure"), "0.25");
+        assert_eq!(
+            (of("fluid.water.force_z"), of("fluid.water.wet_area")),
+            ("-1", "0.5")
+        );
         assert_eq!((of("base.force_x"), of("tip.pressure")), ("", ""));
         let other = v1::StepReport::default();
         assert_eq!(columns.row(&other, &Travels::default()).len(), row.len());

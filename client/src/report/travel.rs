@@ -38,6 +38,16 @@ impl Travels {
         self.supports.keys()
     }
 
+    /// Whether a support has a direction along which its reaction is told.
+    pub(crate) fn has_moved(&self, name: &str) -> bool {
+        self.supports.get(name).copied().flatten().is_some()
+    }
+
+    /// Whether an obstacle has a travel along which its force is told.
+    pub(crate) fn has_travelled(&self, name: &str) -> bool {
+        self.obstacles.contains_key(name)
+    }
+
     /// Along its travel, what a support does to the body; without a travel its size.
     pub(crate) fn reaction(&self, name: &str, support: &v1::SupportResult) -> f64 {
         let direction = self.supports.get(name).copied().flatten();

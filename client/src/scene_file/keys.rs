@@ -10,12 +10,19 @@ use crate::library::error::Violation;
 
 /// Faults that are told, as many as the server looks for.
 const MOST: usize = 100;
+/// Elements of one list of tables, as many as the server takes of the longest.
+const MOST_TABLES: usize = 10_000;
 
 /// Faults found so far.
 #[derive(Debug, Default)]
 pub(crate) struct Faults(RefCell<Vec<Violation>>);
 
 impl Faults {
+    /// Whether no further fault is told, so that none needs to be looked for.
+    pub(crate) fn is_full(&self) -> bool {
+        self.0.borrow().len() > MOST
+    }
+
     pub(crate) fn add(&self, path: String, message: String) {
         let mut all = self.0.borrow_mut();
         match all.len() {
@@ -53,7 +60,8 @@ impl<'a> Keys<'a> {
             table,
             faults,
         };
-        for key in table.keys().filter(|key| !known.contains(&key.as_str())) {
+        let unknown = table.keys().filter(|key| !known.contains(&key.as_str()));
+        for key in unknown.take_while(|_| !faults.is_full()) {
             faults.add(keys.at(key), unknown_key(key, known));
         }
         keys
@@ -272,13 +280,27 @@ impl<'a> Keys<'a> {
         Keys::new(self.path.clone(), self.table, known, self.faults);
     }
 
+    /// Whether a list is no longer than any that a server takes; a fault where it is, before
+    /// anybody looks at what is in it.
+    fn is_short(&self, key: &str, count: usize) -> bool {
+        if count > MOST_TABLES {
+            let message = format!("has {count} elements; at most {MOST_TABLES} are allowed");
+            self.fault(key, message);
+        }
+        count <= MOST_TABLES
+    }
+
     /// The tables in a table, by name.
     pub(crate) fn named_tables(&self, key: &str) -> Vec<(String, Keys<'a>)> {
         let Some(outer) = self.open_table(key) else {
             return Vec::new();
         };
+        if !self.is_short(key, outer.table.len()) {
+            return Vec::new();
+        }
         let names = outer.table.keys();
         names
+            .take_while(|_| !self.faults.is_full())
             .filter_map(|name| Some((name.clone(), outer.open_table(name)?)))
             .collect()
     }
@@ -286,6 +308,14 @@ impl<'a> Keys<'a> {
     /// An array of tables. Those with a `name` are called by it in paths, the
     /// others by their position.
     pub(crate) fn tables(&self, key: &str, known: &[&str]) -> Vec<Keys<'a>> {
+        let count = self
+            .table
+            .get(key)
+            .and_then(Value::as_array)
+            .map_or(0, Vec::len);
+        if !self.is_short(key, count) {
+            return Vec::new();
+        }
         let expected = format!("an array of tables ([[{key}]], once for each, not [{key}])");
         let tables = self.read(key, &expected, |value| {
             value
@@ -296,6 +326,7 @@ impl<'a> Keys<'a> {
         });
         let tables = tables.unwrap_or_default().into_iter().enumerate();
         tables
+            .take_while(|_| !self.faults.is_full())
             .map(|(index, table)| {
                 let path = match table.get("name").and_then(Value::as_str) {
                     Some(name) => join(&self.at(key), name),

@@ -6,7 +6,9 @@
 //! that it can say so. Every fault of a file is reported, not just the first.
 
 mod body;
+mod fluid;
 pub(crate) mod keys;
+mod material;
 mod obstacle;
 mod outline;
 mod overrides;
@@ -20,6 +22,7 @@ mod values;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use signorini_proto::v1;
@@ -44,6 +47,7 @@ const SCENE: &[&str] = &[
     "support",
     "traction",
     "pressure",
+    "fluid",
     "body_force",
     "obstacle",
     "manufactured",
@@ -122,9 +126,9 @@ impl Template {
     /// # Errors
     /// [`SceneFileError::Invalid`].
     pub fn read(&self, overrides: &[Override]) -> Result<SceneFile, SceneFileError> {
-        let (mut table, faults) = (self.table.clone(), Faults::default());
+        let (mut table, faults) = (Cow::Borrowed(&self.table), Faults::default());
         for change in overrides {
-            if let Err(violation) = change.apply(&mut table) {
+            if let Err(violation) = change.apply(table.to_mut()) {
                 faults.add(violation.path, violation.message);
             }
         }
@@ -201,10 +205,11 @@ fn scene(keys: &Keys<'_>, stem: String) -> v1::Scene {
         mesh: String::new(),
         mesh_scale: keys.number("mesh_scale"),
         kind: keys.choice("kind", KINDS).map_or(0, i32::from),
-        materials: body::materials(keys),
+        materials: material::materials(keys),
         supports: body::supports(keys),
         tractions: body::tractions(keys),
         pressures: body::pressures(keys),
+        fluids: fluid::fluids(keys),
         body_force,
         body_force_values,
         obstacles: obstacle::obstacles(keys),

@@ -5,6 +5,7 @@ use signorini_proto::v1::shape::Kind;
 
 use super::keys::Keys;
 use super::suggest::nearest;
+use crate::formats::stl::MOST_WELD;
 
 type ReadShape = fn(&Keys<'_>) -> Kind;
 
@@ -23,7 +24,7 @@ const SHAPES: &[(&str, &[&str], ReadShape)] = &[
     ("cone", &["apex", "axis", "angle", "rounding"], cone),
     (
         "surface",
-        &["file", "scale", "facets", "feature_angle"],
+        &["file", "scale", "facets", "feature_angle", "weld"],
         surface,
     ),
     ("height-field", &["file"], height_field),
@@ -122,11 +123,17 @@ fn cone(keys: &Keys<'_>) -> Kind {
 }
 
 fn surface(keys: &Keys<'_>) -> Kind {
+    let weld = keys.number("weld");
+    if weld.is_some_and(|weld| !(0.0..=MOST_WELD).contains(&weld)) {
+        let what = "of the diagonal of the surface's box";
+        keys.fault("weld", format!("must lie from 0 to {MOST_WELD} {what}"));
+    }
     Kind::Surface(v1::SurfaceShape {
         surface: keys.required_text("file"),
         scale: keys.number("scale"),
         facets: keys.boolean("facets").unwrap_or_default(),
         feature_angle: keys.number("feature_angle"),
+        weld,
     })
 }
 

@@ -3,6 +3,7 @@
 use signorini_proto::v1;
 
 use super::body::{components, values};
+use super::fluid;
 use super::keys::Keys;
 
 pub(super) fn steps(scene: &Keys<'_>) -> Vec<v1::LoadStep> {
@@ -14,6 +15,7 @@ pub(super) fn steps(scene: &Keys<'_>) -> Vec<v1::LoadStep> {
             "obstacle",
             "support",
             "traction",
+            "fluid",
             "body_force",
         ],
     );
@@ -23,6 +25,7 @@ pub(super) fn steps(scene: &Keys<'_>) -> Vec<v1::LoadStep> {
         obstacles: obstacles(keys),
         supports: supports(keys),
         tractions: tractions(keys),
+        fluids: fluid::targets(keys),
         body_force: keys
             .table("body_force", &["values"])
             .and_then(|keys| required_values(&keys)),

@@ -122,6 +122,64 @@ fn unknown_keys_suggest_the_nearest() {
 }
 
 #[test]
+fn lists_longer_than_any_server_takes_are_one_fault_each_and_nobody_looks_into_them() {
+    let bad = "[[support]]\nonn = 1\n".repeat(20_000);
+    let told = fault(&bad);
+    assert_eq!(
+        told,
+        "support: has 20000 elements; at most 10000 are allowed"
+    );
+    let names: String = (0..20_000)
+        .map(|n| format!("obstacle.o{n} = 1\n"))
+        .collect();
+    let told = fault(&format!("[[step]]\n{names}"));
+    assert_eq!(
+        told,
+        "step[0].obstacle: has 20000 elements; at most 10000 are allowed"
+    );
+}
+
+#[test]
+fn a_file_full_of_faults_tells_the_first_hundred() {
+    let bad = "[[support]]\nonn = 1\n".repeat(10_000);
+    let told = violations(&format!("{SMALL}{bad}"));
+    assert_eq!(told.len(), 101);
+    assert!(
+        told[100].message.contains("more than these 100"),
+        "{}",
+        told[100]
+    );
+}
+
+#[test]
+fn what_is_wrong_with_a_fluid_is_told_with_its_cure() {
+    assert_eq!(
+        fault("[[fluid]]\nname = \"water\"\non = \"z1\"\nfilm = \"stay\"\nthreshold = \"fluids\""),
+        "fluid.water.from: required key is missing; \
+         fluid.water.threshold: \"fluids\" is not known; did you mean \"fluid\"?; \
+         fluid.water.film: \"stay\" is not known; did you mean \"stays\"?"
+    );
+    assert_eq!(
+        fault("[[step]]\nfluid.water = { pressure = \"to blowoff\", up_to = 5 }"),
+        "step[0].fluid.water.pressure: \"to blowoff\" is not known; did you mean \"to blow-off\"?"
+    );
+    let open = fault("[[step]]\nfluid.water = { pressure = \"to blow-off\" }");
+    assert!(
+        open.starts_with("step[0].fluid.water.up_to: required key is missing: the pressure at"),
+        "{open}"
+    );
+    assert_eq!(
+        fault("[[step]]\nfluid.water = { pressure = 2, up_to = 5 }"),
+        "step[0].fluid.water.up_to: goes with pressure = \"to blow-off\" only; leave it out"
+    );
+    assert_eq!(
+        fault("[[step]]\nfluid.water = { up_to = 5 }"),
+        "step[0].fluid.water.pressure: required key is missing; \
+         step[0].fluid.water.up_to: goes with pressure = \"to blow-off\" only; leave it out"
+    );
+}
+
+#[test]
 fn wrong_types_name_both_types() {
     assert_eq!(
         fault("[[traction]]\non = 3\nvalue = [0, 1]"),
@@ -192,7 +250,7 @@ fn every_key_of_the_contract_reaches_the_message() {
     let text = include_str!("every_key.toml");
     let scene = parse(text, &[]).unwrap().scene;
     assert_eq!(scene.kind(), v1::SceneKind::Solid);
-    assert_eq!(scene.materials.len(), 9);
+    assert_eq!(scene.materials.len(), 12);
     assert!(
         scene
             .materials
@@ -224,6 +282,12 @@ fn every_key_of_the_contract_reaches_the_message() {
         ),
         (2, 1, 3)
     );
+    let names: Vec<&str> = scene.fluids.iter().map(|one| one.name.as_str()).collect();
+    assert_eq!(names, ["water", "fluid-2"]);
+    let thresholds = [0, 1].map(|index: usize| scene.fluids[index].threshold);
+    assert_eq!(thresholds, [Some(0.25), None]);
+    let films = [0, 1].map(|index: usize| scene.fluids[index].film());
+    assert_eq!(films, [v1::Film::SqueezedOut, v1::Film::Stays]);
     assert_eq!(scene.obstacles.len(), 10);
     assert!(scene.obstacles.iter().all(|obstacle| {
         obstacle
@@ -284,6 +348,18 @@ fn every_key_of_the_contract_reaches_the_message() {
         })
     );
     assert_eq!(step.supports[0].rotation, [0.0, 0.0, 7.0]);
+    let mut loads: Vec<_> = step
+        .fluids
+        .iter()
+        .map(|one| (&*one.name, one.load))
+        .collect();
+    loads.sort_by_key(|(name, _)| *name);
+    use v1::fluid_target::Load;
+    let expected = [
+        ("fluid-2", Some(Load::ToBlowOff(50.0))),
+        ("water", Some(Load::Pressure(3.0))),
+    ];
+    assert_eq!(loads, expected);
     let solver = scene.solver.unwrap();
     assert_eq!(
         (solver.tolerance, solver.quadrature_degree, solver.penalty),
@@ -293,7 +369,7 @@ fn every_key_of_the_contract_reaches_the_message() {
     assert_eq!(solver.error_estimate, "off");
     assert_eq!(scene.probes[0].point, [0.0, 1.0, 2.0]);
     let output = scene.output.unwrap();
-    assert_eq!((output.fields, output.every), ((1..=14).collect(), Some(2)));
+    assert_eq!((output.fields, output.every), ((1..=15).collect(), Some(2)));
 }
 
 #[test]

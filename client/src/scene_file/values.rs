@@ -49,27 +49,35 @@ pub(super) fn named(table: &Table, folder: &Path) -> Vec<NamedValues> {
             found.push(NamedValues { key, place, path });
         }
     };
-    let array = |table: &Table, key: &str| -> Vec<Value> {
-        let array = table.get(key).and_then(Value::as_array);
-        array.cloned().unwrap_or_default()
+    let array = |key: &str| {
+        table
+            .get(key)
+            .and_then(Value::as_array)
+            .into_iter()
+            .flatten()
     };
-    for (index, keys) in array(table, "support").iter().enumerate() {
+    for (index, keys) in array("support").enumerate() {
         let key = called("support", index, keys);
         note(key, ValuesPlace::Support(index), Some(keys));
     }
-    for (index, keys) in array(table, "traction").iter().enumerate() {
+    for (index, keys) in array("traction").enumerate() {
         let key = called("traction", index, keys);
         note(key, ValuesPlace::Traction(index), Some(keys));
     }
     let force = table.get("body_force");
     note("body_force".to_owned(), ValuesPlace::BodyForce, force);
-    for (step, keys) in array(table, "step").iter().enumerate() {
-        let named = |kind: &str| keys.get(kind).and_then(Value::as_table).cloned();
-        for (index, (name, keys)) in named("support").iter().flatten().enumerate() {
+    for (step, keys) in array("step").enumerate() {
+        let named = |kind: &str| {
+            keys.get(kind)
+                .and_then(Value::as_table)
+                .into_iter()
+                .flatten()
+        };
+        for (index, (name, keys)) in named("support").enumerate() {
             let key = format!("step[{step}].support.{name}");
             note(key, ValuesPlace::StepSupport(step, index), Some(keys));
         }
-        for (index, (name, keys)) in named("traction").iter().flatten().enumerate() {
+        for (index, (name, keys)) in named("traction").enumerate() {
             let key = format!("step[{step}].traction.{name}");
             note(key, ValuesPlace::StepTraction(step, index), Some(keys));
         }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use signorini_client::scene_file::SceneFile;
 use signorini_client::{Client, ClientError, WireMesh, WireSurface};
 use signorini_proto::v1;
+use signorini_proto::v1::shape::Kind;
 use tokio::sync::Mutex;
 
 use crate::arguments::input;
@@ -47,10 +48,13 @@ pub(crate) enum AssetFault<E> {
     Depot(E),
 }
 
+/// A file, and the bits of the tolerance with which its corners are one vertex.
+type Asset = (PathBuf, Option<u64>);
+
 /// Names of files that were handed on.
 #[derive(Debug, Default)]
 pub(crate) struct Assets {
-    names: Mutex<HashMap<PathBuf, String>>,
+    names: Mutex<HashMap<Asset, String>>,
 }
 
 impl Assets {
@@ -68,24 +72,35 @@ impl Assets {
         // One task reads a file, the others wait for its name.
         let mut names = self.names.lock().await;
         let mut scene = file.scene;
-        scene.mesh = match names.get(&file.mesh) {
+        let mesh = (file.mesh, None);
+        scene.mesh = match names.get(&mesh) {
             Some(name) => name.clone(),
             None => {
-                let name = hand_on_mesh(&file.mesh, depot).await?;
-                names.insert(file.mesh, name.clone());
+                let name = hand_on_mesh(&mesh.0, depot).await?;
+                names.insert(mesh, name.clone());
                 name
             }
         };
         for (index, path) in file.surfaces {
-            let known = names.get(&path).cloned();
+            let asset = (path, weld(&scene, index).map(f64::to_bits));
+            let known = names.get(&asset).cloned();
             let name = match known {
                 Some(name) => name,
-                None => hand_on_surface(&scene, index, &path, depot).await?,
+                None => hand_on_surface(&scene, index, &asset.0, depot).await?,
             };
             input::name_surface(&mut scene, index, name.clone());
-            names.insert(path, name);
+            names.insert(asset, name);
         }
         Ok(scene)
+    }
+}
+
+/// The tolerance of the surface of an obstacle, where it has one.
+fn weld(scene: &v1::Scene, obstacle: usize) -> Option<f64> {
+    let shape = scene.obstacles.get(obstacle)?.shape.as_ref()?;
+    match &shape.kind {
+        Some(Kind::Surface(surface)) => surface.weld,
+        _ => None,
     }
 }
 

@@ -201,7 +201,8 @@ pub(crate) fn meaning(case: u64, id: &str, error: ClientError) -> End {
         return End::Lost(error);
     };
     match refusal.reason.as_str() {
-        "MESH_NOT_FOUND" | "SURFACE_NOT_FOUND" => End::Missing,
+        // What is damaged is mended by sending it again.
+        "MESH_NOT_FOUND" | "SURFACE_NOT_FOUND" | "MESH_DAMAGED" | "SURFACE_DAMAGED" => End::Missing,
         "QUEUE_FULL" | "SESSION_LIMIT" | "CALL_RATE" => End::Busy,
         "UNAUTHENTICATED" | "PERMISSION_DENIED" => End::Fault(error.into()),
         "SCENE_INVALID"

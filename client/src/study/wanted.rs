@@ -101,6 +101,11 @@ fn blank(scene: &v1::Scene) -> Value {
     let obstacles = scene.obstacles.iter().map(|one| &one.name).cloned();
     let supports = scene.supports.iter().map(|one| one.name.clone());
     let probes = scene.probes.iter().map(|one| one.name.clone());
+    let fluids = scene.fluids.iter().map(|one| one.name.clone());
+    let wet = || v1::FluidResult {
+        leak_path: Some(v1::LeakPath::default()),
+        ..Default::default()
+    };
     let pose = |name| v1::ObstaclePose {
         name,
         ..Default::default()
@@ -110,6 +115,7 @@ fn blank(scene: &v1::Scene) -> Value {
         obstacles: obstacles.map(|name| (name, Default::default())).collect(),
         supports: supports.map(|name| (name, Default::default())).collect(),
         probes: probes.map(|name| (name, Default::default())).collect(),
+        fluids: fluids.map(|name| (name, wet())).collect(),
         seconds: Some(v1::Seconds::default()),
         residuals: Some(v1::Residuals::default()),
         ..Default::default()
@@ -242,8 +248,13 @@ mod tests {
             name: "ball.big".to_owned(),
             ..Default::default()
         };
+        let water = v1::Fluid {
+            name: "water".to_owned(),
+            ..Default::default()
+        };
         v1::Scene {
             obstacles: vec![obstacle],
+            fluids: vec![water],
             ..Default::default()
         }
     }
@@ -282,6 +293,8 @@ mod tests {
             "seconds.total",
             "residuals.gap",
             "obstacles.ball.big.pose.translation.z",
+            "fluids.water.blow_off_low",
+            "fluids.water.leak_path.margin",
         ] {
             assert_eq!(fault(good), None, "{good}");
         }

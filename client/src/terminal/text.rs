@@ -1,10 +1,12 @@
 //! Writes to stderr, and text and numbers for people.
 //!
-//! Names come from files and from servers: what could move a cursor, or turn the
-//! direction of writing, is spelled out before it reaches a terminal.
+//! Names come from files and from servers: what could move a cursor, turn the direction of
+//! writing or is not seen is spelled out before it reaches a terminal.
 
 use std::borrow::Cow;
 use std::io::Write;
+
+use signorini_server::is_unprintable;
 
 /// Writes to stderr, where failing can be told to nobody.
 pub(crate) fn note(text: &str) {
@@ -13,17 +15,12 @@ pub(crate) fn note(text: &str) {
 
 /// The text with its lines and tabs, every other control character spelled out.
 pub(crate) fn visible(text: &str) -> Cow<'_, str> {
-    spelled(text, |c| is_control(c) && !matches!(c, '\n' | '\t'))
+    spelled(text, |c| is_unprintable(c) && !matches!(c, '\n' | '\t'))
 }
 
 /// The text as a part of one line.
 pub(crate) fn one_line(text: &str) -> Cow<'_, str> {
-    spelled(text, is_control)
-}
-
-/// Control characters, and those that turn the direction of writing.
-fn is_control(c: char) -> bool {
-    c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    spelled(text, is_unprintable)
 }
 
 fn spelled(text: &str, is_spelled: impl Fn(char) -> bool) -> Cow<'_, str> {

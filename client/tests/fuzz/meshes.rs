@@ -129,7 +129,7 @@ fn msh_corpus() -> Corpus {
     Corpus::new(Form::File, seeds, &MSH_WORDS)
 }
 
-const INP_WORDS: [&str; 37] = [
+const INP_WORDS: [&str; 40] = [
     "*NODE\n",
     "*NODE, NSET=",
     "*ELEMENT, TYPE=C3D10M, ELSET=a\n",
@@ -154,6 +154,9 @@ const INP_WORDS: [&str; 37] = [
     "*ELEMENT, TYPE=C3D20\n",
     "*ELEMENT, TYPE=CPE4\n",
     "*ELEMENT, TYPE=SPRINGA\n",
+    "*ELEMENT, TYPE=R3D4, ELSET=b\n",
+    "*ELEMENT, TYPE=B31\n",
+    "*EQUATION\n2\n",
     "*NODE, SYSTEM=C\n",
     "*SYSTEM\n1., 0., 0., 0., 1., 0.\n",
     "*INCLUDE, INPUT=a\n",
@@ -199,9 +202,16 @@ const INP_TWO: &str = "*PART, NAME=p\n*NODE, NSET=n\n1, 0., 0.\n2, 1., 0.\n3, 1.
     *END INSTANCE\n*NSET, NSET=both\ni.n, j.n, j.3\n*ELSET, ELSET=c, INSTANCE=j, GENERATE\n1, 9, 2\n\
     *END ASSEMBLY\n*TIE, NAME=t\ns, s\n";
 
+/// What is no part of the body, beside a cell of second order.
+const INP_BESIDE: &str = "*NODE\n1, 0., 0.\n2, 1., 0.\n3, 1., 1.\n4, 0., 1.\n5, 0.5, 0.\n6, 1., 0.5\n\
+    7, 0.5, 1.\n8, 0., 0.5\n9, 3., 0.\n*ELEMENT, TYPE=CAX8RH, ELSET=a\n1, 1, 2, 3, 4, 5,\n6, 7, 8\n\
+    *ELEMENT, TYPE=R2D2, ELSET=b\n2, 2, 9\n3, 1, 2\n*ELEMENT, TYPE=MASS\n4, 9\n*SURFACE, NAME=s\nb, SPOS\n\
+    *MPC\nBEAM, 1, 9\n*NSET, NSET=\"my base\", UNSORTED\n2,\n\n1\n";
+
 /// What a scene says of a deck.
 const INP_SCENE: &str = "*NSET, NSET=point\n900\n*MATERIAL, NAME=m\n*HYPERELASTIC, OGDEN, N=2\n\
     0.5, 4., 0.25, -2., 1e-3, 0.\n*ELASTIC\n1., 0.3\n*HYPERELASTIC, POLYNOMIAL, N=2\n1., 2., 3., 4., 5.\n\
+    *HYPERFOAM, N=2\n1., 8., 2., -2., 0.1, 0.\n*HYPERELASTIC, VAN DER WAALS\n0.5, 8., 0.2, 0.1\n\
     *BOUNDARY\nfloor, ENCASTRE\npoint, 1, 6\n*SURFACE, NAME=roll, TYPE=REVOLUTION\n\
     0., 0., 1., 0., 0., 2.\nSTART, 0., 1.\nCIRCL, 2., 3., 0., 3.\n\
     *SURFACE, NAME=plate, TYPE=CYLINDER\n0., 0., 0., 0., 1., 0.\n0., 0., 1.\nSTART, 2., 1.\nLINE, -2., 1.\n\
@@ -217,7 +227,7 @@ fn inp_corpus() -> Corpus {
     let ring: &[u8] = include_bytes!("../formats/ring2.inp");
     let sphere: &[u8] = include_bytes!("../formats/sphere2.inp");
     let meshio: &[u8] = include_bytes!("../formats/meshio.inp");
-    let own = [INP_FLAT, INP_PART, INP_SPLIT, INP_TWO].map(str::as_bytes);
+    let own = [INP_FLAT, INP_PART, INP_SPLIT, INP_TWO, INP_BESIDE].map(str::as_bytes);
     let small = [own.as_slice(), &[meshio]].concat();
     let mut seeds = small.repeat(4);
     seeds.extend([ring, sphere]);

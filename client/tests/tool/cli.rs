@@ -5,7 +5,7 @@ use std::io::{Read as _, Write as _};
 use std::net::TcpListener;
 use std::path::Path;
 
-use crate::common::{Run, example, folder, run};
+use crate::common::{Run, example, folder, run, signorini};
 
 fn text(path: &Path) -> &str {
     path.to_str().unwrap()
@@ -79,6 +79,26 @@ fn a_server_that_does_not_answer_exits_with_5() {
         run.stderr.contains("unix:/no/such/socket"),
         "{}",
         run.stderr
+    );
+}
+
+#[test]
+fn a_variable_that_is_set_to_nothing_is_as_unset() {
+    let mut command = signorini();
+    command.args(["session", "list", "--server", "127.0.0.1:1"]);
+    for name in ["CA", "CERT", "KEY", "TOKEN", "TOKEN_FILE"] {
+        command.env(format!("SIGNORINI_{name}"), "");
+    }
+    let told = command.output().unwrap();
+    assert_eq!(told.status.code(), Some(5), "{told:?}");
+    let mut command = signorini();
+    let told = command
+        .args(["session", "list"])
+        .env("SIGNORINI_SERVER", "");
+    let told = String::from_utf8(told.output().unwrap().stderr).unwrap();
+    assert!(
+        told.contains("required") && told.contains("--server <URL>"),
+        "{told}"
     );
 }
 

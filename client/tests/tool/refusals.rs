@@ -134,10 +134,6 @@ fn keys_of_later_capabilities_are_not_supported_yet() {
             &["not supported yet"],
         );
     }
-    assert_refused(
-        &solve_set("cook.toml", &["kind=axisymmetric"]),
-        &["not supported yet", "kind"],
-    );
 }
 
 #[test]

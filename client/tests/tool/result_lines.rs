@@ -118,6 +118,52 @@ fn every_kind_of_line_matches_the_schema() {
     }
 }
 
+/// A fluid that leaks on a path past a ball.
+fn leaking() -> v1::FluidResult {
+    let path = v1::LeakPath {
+        margin: 3.25,
+        margin_over_pressure: 0.25,
+        sealed_width: 0.5,
+        points: vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
+        pressures: vec![3.25, 0.0],
+    };
+    v1::FluidResult {
+        pressure: 3.0,
+        tightness: v1::Tightness::Leaks.into(),
+        blow_off_low: Some(3.0),
+        blow_off_high: Some(3.03),
+        wet_area: 0.5,
+        force: vec![0.0, -1.0, 0.0],
+        leak_path: Some(path.clone()),
+        leak_paths: BTreeMap::from([("ball".to_owned(), path)]),
+        rounds: 2,
+    }
+}
+
+#[test]
+fn fluids_are_told_with_their_paths_and_scenes_without_have_no_word_of_them() {
+    let dry = result_line::step(&report());
+    assert!(dry.get("fluids").is_none());
+    let unknown = v1::FluidResult {
+        tightness: v1::Tightness::Tight.into(),
+        force: vec![0.0; 3],
+        ..Default::default()
+    };
+    let line = result_line::step(&v1::StepReport {
+        fluids: BTreeMap::from([("water".to_owned(), leaking()), ("oil".to_owned(), unknown)]),
+        ..report()
+    });
+    assert_matches(&line);
+    let water = &line["fluids"]["water"];
+    assert_eq!(
+        (&water["tightness"], &water["blow_off_high"]),
+        (&json!("leaks"), &json!(3.03))
+    );
+    let points = json!([[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
+    assert_eq!(water["leak_paths"]["ball"]["points"], points);
+    assert_eq!(line["fluids"]["oil"]["leak_path"], Value::Null);
+}
+
 #[test]
 fn the_schema_refuses_missing_unknown_and_mistyped_keys() {
     let schema = result_lines();

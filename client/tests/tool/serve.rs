@@ -164,7 +164,17 @@ fn settings_are_checked_and_shown_with_their_origin() {
     assert!(shown.contains("# SIGNORINI_HEARTBEAT_SECONDS\n"), "{shown}");
     assert_eq!(line("log_level"), "\"warn\" # --log-level");
     assert_eq!(line("heartbeat_seconds"), "10 # default");
+    let tokens = file.with_file_name("tokens.toml");
+    std::fs::write(&tokens, "").unwrap();
+    let loose = std::os::unix::fs::PermissionsExt::from_mode(0o666);
+    std::fs::set_permissions(&tokens, loose).unwrap();
+    std::fs::write(&file, format!("tokens = \"{}\"", tokens.display())).unwrap();
+    let checked = run(["config", "check", path]);
+    assert_eq!(checked.code, Some(0), "{}", checked.stderr);
+    let told = checked.stderr.contains("warning: tokens: ") && checked.stderr.contains("chmod 640");
+    assert!(told, "{}", checked.stderr);
     for (text, said) in [
+        ("solver_slots = 1000000000", "solver_slots: must be at most"),
         ("solver_slot = 3", "did you mean `solver_slots`"),
         ("tokens = \"nowhere.toml\"", "nowhere.toml"),
         ("listen = \"0.0.0.0:1\"", "signorini certs init"),

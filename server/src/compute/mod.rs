@@ -1,5 +1,6 @@
 //! The solver threads: a fixed number of slots, fed by one queue that is fair between
-//! clients, between the connections of one and between the sessions of those.
+//! clients, between the connections of one and between the sessions of those; what a client has
+//! left running counts as one connection more.
 //!
 //! A job is the building of prepared data or one increment of one session, so
 //! sessions take turns. A job that runs long gives its slot back between iterations
@@ -30,7 +31,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use crate::config::Slots;
-use crate::door::client_key::{ClientKey, Flow};
+use crate::door::client_key::{ClientIdentity, Flow, Share};
 use crate::watch::metrics::Metrics;
 use queue::{JobQueue, Turn};
 
@@ -127,9 +128,9 @@ impl SolverThreads {
         self.sessions.fetch_add(1, Ordering::Relaxed)
     }
 
-    /// Jobs of `client` that wait for a slot.
-    pub(crate) fn waiting(&self, client: ClientKey) -> usize {
-        self.queue.lock().jobs.waiting(&client.path())
+    /// Jobs of `client` that wait for a slot, however it comes.
+    pub(crate) fn waiting(&self, client: ClientIdentity) -> usize {
+        self.queue.lock().jobs.waiting(&[Share::Client(client)])
     }
 
     /// What there is to do just now.

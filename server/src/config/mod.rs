@@ -34,6 +34,11 @@ const FALLBACK_BUDGET_BYTES: u64 = 8 << 30;
 /// can add it to any instant.
 pub(crate) const LONGEST_SECONDS: u64 = 30 * 24 * 3600;
 
+/// Most of anything that is counted: beyond it is a slip of the pen.
+const MOST: usize = 1 << 20;
+/// Most solver threads of all slots.
+const MOST_THREADS: usize = 1 << 16;
+
 /// A setting that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ConfigError {
@@ -75,14 +80,15 @@ pub struct Config {
     pub tls_client_ca: String,
     /// Token file: every call has to prove a name of it; empty: nobody is asked.
     pub tokens: String,
-    /// Sessions that one name of the token file may have at one time; 0: as many as there
-    /// may be.
+    /// Sessions that one client may have at one time: a name of the token file, or without
+    /// one a user of this machine or another machine; 0: as many as there may be.
     pub maximum_client_sessions: usize,
     /// Bytes that the sessions, tools and imported states of one client may hold in memory when
     /// it adds one; 0: as many as there may be.
     pub maximum_client_bytes: u64,
     /// Calls of one client in a second, over a while: twice as many may come at once; 0: no
-    /// limit. A stream is one call.
+    /// limit. A stream is one call. Where tokens are asked for, calls without one count for the
+    /// address that they come from.
     pub maximum_client_calls_per_second: u32,
     /// Slots that one client may have at one time; 0: all.
     pub maximum_client_slots: usize,
@@ -107,7 +113,8 @@ pub struct Config {
     /// Sessions that may exist at one time, at least 1.
     pub maximum_sessions: usize,
     /// Solves of one client that may wait for a slot before new ones are refused, at
-    /// least 1. A client is a TCP connection, or a process behind a Unix socket.
+    /// least 1. A client is a name of the token file, or without one a user of this machine
+    /// or another machine.
     pub maximum_queued: usize,
     /// Seconds that one step may run, those in which it waits for a slot left out; 0 for
     /// no such limit, at most 2 592 000.
@@ -128,6 +135,13 @@ pub struct Config {
     pub retained_field_bytes: u64,
     /// Seconds without another message after which a stream gets a heartbeat; 1 to 2 592 000.
     pub heartbeat_seconds: u64,
+    /// Seconds in which a request has to be there, beside one for each 64 KiB of it: all of a call
+    /// with one message, each message of a stream once it has begun; 1 to 2 592 000.
+    pub request_seconds: u64,
+    /// Seconds without a message taken after which a stream ends and its session is free for
+    /// another; after twice as many its connection is closed, as that of any other answer which
+    /// nobody takes; 1 to 2 592 000.
+    pub unread_seconds: u64,
     /// Seconds that a shutdown waits for running steps to stop; at most 2 592 000.
     pub drain_seconds: u64,
     /// Data folder: sessions, their updates and results, meshes and tools outlive the
@@ -194,6 +208,8 @@ impl Default for Config {
             retained_results: 4096,
             retained_field_bytes: 256 << 20,
             heartbeat_seconds: 10,
+            request_seconds: 10,
+            unread_seconds: 300,
             drain_seconds: 30,
             data: String::new(),
             data_bytes: 0,
@@ -266,10 +282,14 @@ impl Config {
             ("session_ttl_seconds", self.session_ttl_seconds),
             ("retained_results", self.retained_results as u64),
             ("heartbeat_seconds", self.heartbeat_seconds),
+            ("request_seconds", self.request_seconds),
+            ("unread_seconds", self.unread_seconds),
         ];
         let times = [
             ("session_ttl_seconds", self.session_ttl_seconds),
             ("heartbeat_seconds", self.heartbeat_seconds),
+            ("request_seconds", self.request_seconds),
+            ("unread_seconds", self.unread_seconds),
             ("drain_seconds", self.drain_seconds),
             ("maximum_step_seconds", self.maximum_step_seconds),
         ];
@@ -290,6 +310,17 @@ impl Config {
         if self.retained_results <= self.maximum_in_flight {
             return Err(range("retained_results", "above maximum_in_flight"));
         }
+        let many = self.numbers().into_iter().find(|(_, value)| *value > MOST);
+        if let Some((key, _)) = many {
+            return Err(range(key, "at most 1048576"));
+        }
+        let threads = self
+            .solver_slots
+            .saturating_mul(self.threads_per_slot.max(1));
+        if threads > MOST_THREADS {
+            let why = "at most 65536, with as many threads of all slots together";
+            return Err(range("solver_slots", why));
+        }
         let zero = at_least_one.iter().find(|(_, value)| *value == 0);
         let long = times.iter().find(|(_, value)| *value > LONGEST_SECONDS);
         match (zero, long) {
@@ -297,6 +328,24 @@ impl Config {
             (None, Some((key, _))) => Err(range(key, "at most 2592000, which is 30 days")),
             (None, None) => Ok(()),
         }
+    }
+
+    /// What is counted, and so held in memory or in tables of the system.
+    fn numbers(&self) -> [(&'static str, usize); 9] {
+        [
+            ("solver_slots", self.solver_slots),
+            ("short_slots", self.short_slots),
+            ("threads_per_slot", self.threads_per_slot),
+            ("maximum_sessions", self.maximum_sessions),
+            ("maximum_queued", self.maximum_queued),
+            ("maximum_in_flight", self.maximum_in_flight),
+            ("maximum_connections", self.maximum_connections),
+            (
+                "maximum_client_connections",
+                self.maximum_client_connections,
+            ),
+            ("retained_results", self.retained_results),
+        ]
     }
 
     /// Whether the service is at a socket that only its owner may open.
@@ -366,6 +415,16 @@ impl Config {
         Duration::from_secs(self.heartbeat_seconds)
     }
 
+    /// Time in which a request has to be there.
+    pub(crate) fn request_time(&self) -> Duration {
+        Duration::from_secs(self.request_seconds)
+    }
+
+    /// Time without a message taken after which a stream ends.
+    pub(crate) fn unread_time(&self) -> Duration {
+        Duration::from_secs(self.unread_seconds)
+    }
+
     pub(crate) fn drain(&self) -> Duration {
         Duration::from_secs(self.drain_seconds)
     }
@@ -429,8 +488,34 @@ mod tests {
     }
 
     #[test]
+    fn numbers_that_no_machine_bears_are_refused_by_name() {
+        for text in [
+            "solver_slots = 1000000000",
+            "solver_slots = 70000",
+            "solver_slots = 1000\nthreads_per_slot = 100",
+            "short_slots = 9223372036854775807",
+            "threads_per_slot = 1000000000",
+            "maximum_sessions = 10000000",
+            "maximum_connections = 10000000",
+            "maximum_in_flight = 2000000\nretained_results = 3000000",
+        ] {
+            let refused = Config::from_toml(text).unwrap_err().to_string();
+            let key = refused.split(':').next().unwrap();
+            assert!(text.contains(key), "{text}: {refused}");
+            assert!(refused.contains("at most"), "{refused}");
+        }
+        assert!(Config::from_toml("solver_slots = 512\nthreads_per_slot = 8").is_ok());
+    }
+
+    #[test]
     fn times_that_no_clock_can_add_are_refused_by_name() {
-        for key in ["session_ttl_seconds", "heartbeat_seconds", "drain_seconds"] {
+        for key in [
+            "session_ttl_seconds",
+            "heartbeat_seconds",
+            "request_seconds",
+            "unread_seconds",
+            "drain_seconds",
+        ] {
             assert!(Config::from_toml(&format!("{key} = {LONGEST_SECONDS}")).is_ok());
             let long = Config::from_toml(&format!("{key} = {}", i64::MAX)).unwrap_err();
             assert!(long.to_string().contains(key), "{long}");

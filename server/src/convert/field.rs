@@ -155,6 +155,7 @@ pub(crate) fn name(field: FieldName) -> wire::FieldName {
         FieldName::Slip => wire::FieldName::Slip,
         FieldName::LowestMode => wire::FieldName::LowestMode,
         FieldName::NodalForce => wire::FieldName::NodalForce,
+        FieldName::ContactPath => wire::FieldName::ContactPath,
     }
 }
 

@@ -116,7 +116,42 @@ fn load_step() -> wire::LoadStep {
             values: Some(given(wire::ValuePlace::Facets, 1)),
         }],
         body_force: Some(given(wire::ValuePlace::Nodes, 4)),
+        fluids: Vec::new(),
     }
+}
+
+/// Every key of a fluid, and both that a step may ask of it.
+fn wet_scene(mesh: &Mesh) -> wire::Scene {
+    use wire::fluid_target::Load;
+
+    let mut scene = rubber_scene(mesh);
+    let water = wire::Fluid {
+        name: "water".into(),
+        on: vec!["top".into()],
+        from: vec!["base".into()],
+        dry: Vec::new(),
+        pressure: Some(0.5),
+        threshold: Some(0.25),
+        film: wire::Film::SqueezedOut.into(),
+        blow_off_tolerance: Some(0.02),
+    };
+    let oil = wire::Fluid {
+        name: "oil".into(),
+        on: vec!["top".into()],
+        from: vec!["top".into()],
+        dry: vec!["base".into()],
+        ..Default::default()
+    };
+    scene.fluids = vec![water, oil];
+    let target = |name: &str, load| wire::FluidTarget {
+        name: name.into(),
+        load: Some(load),
+    };
+    scene.steps[0].fluids = vec![
+        target("water", Load::Pressure(1.0)),
+        target("oil", Load::ToBlowOff(9.0)),
+    ];
+    scene
 }
 
 fn good_scene(mesh: &Mesh) -> wire::Scene {
@@ -202,6 +237,18 @@ fn rubber_scene(mesh: &Mesh) -> wire::Scene {
         ..Default::default()
     };
     scene.supports[0].profile = 0;
+    scene
+}
+
+/// A foam of two terms.
+fn foam_scene(mesh: &Mesh) -> wire::Scene {
+    let mut scene = rubber_scene(mesh);
+    let law = wire::Hyperfoam {
+        mu: vec![2.0, 1.0],
+        alpha: vec![8.0, -2.0],
+        nu: vec![0.1, 0.0],
+    };
+    scene.materials[0].model = Some(wire::material::Model::Hyperfoam(law));
     scene
 }
 
@@ -293,7 +340,13 @@ fn planned(message: wire::Scene, mesh: &Mesh) -> Result<(), Fault> {
 #[test]
 fn every_scene_is_planned_or_refused() {
     let mesh = Mesh::new(parts()).unwrap();
-    let seeds = [good_scene(&mesh), rubber_scene(&mesh), later_scene(&mesh)];
+    let seeds = [
+        good_scene(&mesh),
+        rubber_scene(&mesh),
+        foam_scene(&mesh),
+        wet_scene(&mesh),
+        later_scene(&mesh),
+    ];
     assert_eq!(planned(seeds[0].clone(), &mesh), Ok(()));
     let corpus = Corpus::new(
         Form::Messages,

@@ -7,6 +7,7 @@ use signorini_proto::v1::material::Model;
 use super::Faults;
 
 const MAXIMUM_TERMS: usize = 3;
+const MAXIMUM_FOAM_TERMS: usize = 6;
 
 /// Converts one material.
 pub(super) fn material(message: wire::Material, faults: &mut Faults) -> Material {
@@ -51,6 +52,9 @@ fn model(law: Model, formulation: Formulation, path: &str, faults: &mut Faults) 
         Model::Polynomial(law) => rubber(polynomial(&law), law.bulk_modulus),
         Model::Gent(law) => rubber(gent(&law, path, faults), law.bulk_modulus),
         Model::ArrudaBoyce(law) => rubber(arruda_boyce(&law, path, faults), law.bulk_modulus),
+        Model::VanDerWaals(law) => rubber(van_der_waals(&law, path, faults), law.bulk_modulus),
+        Model::Hyperfoam(law) => rubber(hyperfoam(law, path, faults), None),
+        Model::BlatzKo(law) => rubber(blatz_ko(&law, path, faults), None),
     }
 }
 
@@ -103,6 +107,33 @@ fn arruda_boyce(law: &wire::ArrudaBoyce, path: &str, faults: &mut Faults) -> Rub
     RubberModel::ArrudaBoyce {
         mu: faults.required(law.mu, &format!("{path}.mu")),
         locking_stretch: faults.required(law.locking_stretch, &format!("{path}.locking_stretch")),
+    }
+}
+
+fn van_der_waals(law: &wire::VanDerWaals, path: &str, faults: &mut Faults) -> RubberModel {
+    RubberModel::VanDerWaals {
+        shear_modulus: faults.required(law.shear_modulus, &format!("{path}.shear_modulus")),
+        locking_stretch: faults.required(law.locking_stretch, &format!("{path}.locking_stretch")),
+        a: law.a,
+        beta: law.beta,
+    }
+}
+
+fn hyperfoam(law: wire::Hyperfoam, path: &str, faults: &mut Faults) -> RubberModel {
+    let lists = [("mu", &law.mu), ("alpha", &law.alpha), ("nu", &law.nu)];
+    for (key, list) in lists {
+        faults.at_most(list, MAXIMUM_FOAM_TERMS, &format!("{path}.{key}"));
+    }
+    RubberModel::Hyperfoam {
+        mu: law.mu,
+        alpha: law.alpha,
+        nu: law.nu,
+    }
+}
+
+fn blatz_ko(law: &wire::BlatzKo, path: &str, faults: &mut Faults) -> RubberModel {
+    RubberModel::BlatzKo {
+        shear_modulus: faults.required(law.shear_modulus, &format!("{path}.shear_modulus")),
     }
 }
 
@@ -246,6 +277,21 @@ mod tests {
                     locking_stretch: 3.0,
                 },
             ),
+            (
+                Model::VanDerWaals(wire::VanDerWaals {
+                    shear_modulus: Some(0.8),
+                    locking_stretch: Some(5.0),
+                    a: 0.2,
+                    beta: 0.1,
+                    bulk_modulus,
+                }),
+                RubberModel::VanDerWaals {
+                    shear_modulus: 0.8,
+                    locking_stretch: 5.0,
+                    a: 0.2,
+                    beta: 0.1,
+                },
+            ),
         ];
         for (message, model) in cases.into_iter().chain(others) {
             let (found, faults) = convert(message);
@@ -254,6 +300,40 @@ mod tests {
                 model,
                 bulk_modulus,
                 formulation,
+            };
+            assert_eq!(found, expected);
+            assert_eq!(faults.outcome(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn foams_reach_the_library_with_their_terms() {
+        let cases = [
+            (
+                Model::Hyperfoam(wire::Hyperfoam {
+                    mu: vec![1.0, 0.5],
+                    alpha: vec![8.0, -2.0],
+                    nu: vec![0.1, 0.0],
+                }),
+                RubberModel::Hyperfoam {
+                    mu: vec![1.0, 0.5],
+                    alpha: vec![8.0, -2.0],
+                    nu: vec![0.1, 0.0],
+                },
+            ),
+            (
+                Model::BlatzKo(wire::BlatzKo {
+                    shear_modulus: Some(0.8),
+                }),
+                RubberModel::BlatzKo { shear_modulus: 0.8 },
+            ),
+        ];
+        for (message, model) in cases {
+            let (found, faults) = convert(message);
+            let expected = MaterialModel::Rubber {
+                model,
+                bulk_modulus: None,
+                formulation: Formulation::Auto,
             };
             assert_eq!(found, expected);
             assert_eq!(faults.outcome(), Ok(()));

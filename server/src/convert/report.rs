@@ -3,9 +3,9 @@
 use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
-    Attempt, Cause, CauseSite, ContactInterval, IterationRecord, ManufacturedErrors,
-    ObstacleResult, ProbeResult, Residuals, Seconds, Snapped, Stability, StepReport, Strategy,
-    SupportResult, Termination, Unknowns, Warning,
+    Attempt, Cause, CauseSite, ContactInterval, FluidResult, IterationRecord, LeakPathResult,
+    ManufacturedErrors, ObstacleResult, ProbeResult, Residuals, Seconds, Snapped, Stability,
+    StepReport, Strategy, SupportResult, Termination, Tightness, Unknowns, Warning,
 };
 use signorini_proto::v1 as wire;
 
@@ -51,6 +51,7 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         obstacles: by_name(report.obstacles, obstacle),
         supports: by_name(report.supports, support),
         probes: by_name(report.probes, probe),
+        fluids: by_name(report.fluids, fluid),
         error_estimate: report.error_estimate,
         errors: report.errors.map(errors),
         seconds: Some(seconds(report.seconds)),
@@ -164,6 +165,7 @@ fn cause(value: Cause) -> wire::Cause {
         Cause::UnstableEquilibrium => wire::Cause::UnstableEquilibrium,
         Cause::NegativeJacobian => wire::Cause::NegativeJacobian,
         Cause::InsideOut => wire::Cause::InsideOut,
+        Cause::Leaks => wire::Cause::Leaks,
     }
 }
 
@@ -295,6 +297,34 @@ fn probe(value: ProbeResult) -> wire::ProbeResult {
     wire::ProbeResult {
         displacement: value.displacement.to_vec(),
         pressure: value.pressure,
+    }
+}
+
+fn fluid(value: FluidResult) -> wire::FluidResult {
+    let tightness = match value.tightness {
+        Tightness::Tight => wire::Tightness::Tight,
+        Tightness::Leaks => wire::Tightness::Leaks,
+    };
+    wire::FluidResult {
+        pressure: value.pressure,
+        tightness: tightness.into(),
+        blow_off_low: value.blow_off.map(|[low, _]| low),
+        blow_off_high: value.blow_off.map(|[_, high]| high),
+        wet_area: value.wet_area,
+        force: value.force.to_vec(),
+        leak_path: value.leak_path.map(leak_path),
+        leak_paths: by_name(value.leak_paths, leak_path),
+        rounds: narrow(value.rounds),
+    }
+}
+
+fn leak_path(value: LeakPathResult) -> wire::LeakPath {
+    wire::LeakPath {
+        margin: value.margin,
+        margin_over_pressure: value.margin_over_pressure,
+        sealed_width: value.sealed_width,
+        points: value.points.into_flattened(),
+        pressures: value.pressures,
     }
 }
 

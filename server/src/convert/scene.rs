@@ -1,6 +1,7 @@
 //! The scene message into the library's scene.
 
 mod boundary;
+mod fluid;
 mod solver;
 
 use signorini::Plan;
@@ -15,10 +16,12 @@ use super::{Faults, MOST_FAULTS, field, material, mesh, named, step};
 use crate::config::Compared;
 use crate::fault::Fault;
 use boundary::{obstacle, pressure, support, traction};
+use fluid::fluid;
 use solver::solver;
 
 const MAXIMUM_LIST: usize = 4096;
 const MAXIMUM_OBSTACLES: usize = 1000;
+const MAXIMUM_FLUIDS: usize = 64;
 const MAXIMUM_PROBES: usize = 10_000;
 const MAXIMUM_STEPS: usize = 10_000;
 const MAXIMUM_EVERY: u32 = 100_000;
@@ -97,6 +100,7 @@ fn limits(message: &wire::Scene, faults: &mut Faults) {
     faults.at_most(&message.supports, MAXIMUM_LIST, "support");
     faults.at_most(&message.tractions, MAXIMUM_LIST, "traction");
     faults.at_most(&message.pressures, MAXIMUM_LIST, "pressure");
+    faults.at_most(&message.fluids, MAXIMUM_FLUIDS, "fluid");
     faults.at_most(&message.obstacles, MAXIMUM_OBSTACLES, "obstacle");
     faults.at_most(&message.probes, MAXIMUM_PROBES, "probe");
     faults.at_most(&message.steps, MAXIMUM_STEPS, "step");
@@ -125,6 +129,7 @@ fn body(message: wire::Scene, surfaces: &SurfacesByName, faults: &mut Faults) ->
         supports: collect(message.supports, faults, support),
         tractions: collect(message.tractions, faults, traction),
         pressures: collect(message.pressures, faults, pressure),
+        fluids: collect(message.fluids, faults, fluid),
         body_force: faults
             .optional_vector(&message.body_force, "body_force.value")
             .unwrap_or_default(),
@@ -139,6 +144,7 @@ fn body(message: wire::Scene, surfaces: &SurfacesByName, faults: &mut Faults) ->
         manufactured: (!message.manufactured.is_empty())
             .then(|| faults.name(&message.manufactured, "manufactured.field")),
         probes: collect(message.probes, faults, probe),
+        questions: Vec::new(),
         solver: solver(message.solver.unwrap_or_default(), faults),
     }
 }

@@ -11,6 +11,8 @@ use super::uploaded::{Surface, SurfacesByName};
 
 /// Angle between facets beyond which their edge is a feature, degrees.
 const FEATURE_ANGLE: f64 = 30.0;
+/// Largest distance of corners that a client takes as one, over the diagonal of their box.
+const MOST_WELD: f64 = 0.01;
 
 /// Converts a shape; `path` is its key, such as `obstacle.ball.shape`.
 pub(crate) fn shape(
@@ -79,6 +81,15 @@ fn solid(
                     Interpolation::Patches(angle.unwrap_or(FEATURE_ANGLE).to_radians())
                 }
             };
+            if shape
+                .weld
+                .is_some_and(|weld| !(0.0..=MOST_WELD).contains(&weld))
+            {
+                faults.add(
+                    format!("{path}.weld"),
+                    format!("must lie from 0 to {MOST_WELD}"),
+                );
+            }
             match surfaces.get(&shape.surface) {
                 Some(Surface::Triangulated(surface)) => Shape::Surface(SurfaceShape {
                     surface: Arc::clone(surface),

@@ -3,8 +3,11 @@
 use std::time::Duration;
 
 use bytes::Bytes;
-use signorini::scene::{ObstacleTarget, Step, SupportTarget, TractionTarget};
+use signorini::scene::{
+    FluidLoad, FluidTarget, ObstacleTarget, Step, SupportTarget, TractionTarget,
+};
 use signorini_proto::v1 as wire;
+use signorini_proto::v1::fluid_target::Load;
 
 use super::values::values;
 use super::{Faults, components, named};
@@ -13,6 +16,7 @@ use crate::fault::Fault;
 
 const MAXIMUM_INCREMENTS: i32 = 100_000;
 const MAXIMUM_TARGETS: usize = 1000;
+const MAXIMUM_FLUIDS: usize = 64;
 
 /// One update of a session: converted, and as it came.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,6 +105,7 @@ pub(crate) fn step(message: &wire::LoadStep, path: &str, faults: &mut Faults) ->
         obstacles,
         supports,
         tractions: tractions(&message.tractions, path, faults),
+        fluids: fluids(&message.fluids, path, faults),
         body_force: values(
             message.body_force.as_ref(),
             &format!("{path}.body_force.values"),
@@ -129,6 +134,27 @@ fn tractions(
         });
     }
     tractions
+}
+
+fn fluids(targets: &[wire::FluidTarget], path: &str, faults: &mut Faults) -> Vec<FluidTarget> {
+    faults.at_most(targets, MAXIMUM_FLUIDS, &format!("{path}.fluid"));
+    let mut fluids = Vec::new();
+    for (index, target) in targets.iter().take(MAXIMUM_FLUIDS).enumerate() {
+        let path = format!("{path}.{}", named("fluid", &target.name, index));
+        let load = match target.load {
+            Some(Load::Pressure(pressure)) => FluidLoad::To(pressure),
+            Some(Load::ToBlowOff(most)) => FluidLoad::ToBlowOff(most),
+            None => {
+                faults.add(format!("{path}.pressure"), "is required");
+                FluidLoad::To(0.0)
+            }
+        };
+        fluids.push(FluidTarget {
+            name: faults.name(&target.name, &path),
+            load,
+        });
+    }
+    fluids
 }
 
 fn increments(number: Option<i32>, path: &str, faults: &mut Faults) -> u32 {
@@ -201,6 +227,38 @@ mod tests {
         for (seconds, nanos) in [(longest, 1), (i64::MAX, 0), (0, 0), (-1, 0)] {
             let fault = asked(seconds, nanos).unwrap_err();
             assert!(matches!(fault, Fault::RequestInvalid(one) if one.path == "ttl"));
+        }
+    }
+
+    #[test]
+    fn pressures_of_fluids_reach_the_library_and_one_without_is_refused_by_its_key() {
+        let target = |name: &str, load| wire::FluidTarget {
+            name: name.into(),
+            load,
+        };
+        let mut message = wire::LoadStep {
+            fluids: vec![
+                target("water", Some(Load::Pressure(3.0))),
+                target("oil", Some(Load::ToBlowOff(50.0))),
+            ],
+            ..Default::default()
+        };
+        let mut faults = Faults::default();
+        let found = step(&message, "step", &mut faults).fluids;
+        assert_eq!(faults.outcome(), Ok(()));
+        let loads: Vec<FluidLoad> = found.iter().map(|one| one.load).collect();
+        assert_eq!(loads, [FluidLoad::To(3.0), FluidLoad::ToBlowOff(50.0)]);
+        message.fluids[1].load = None;
+        message.fluids.extend(vec![target("more", None); 63]);
+        let mut faults = Faults::default();
+        let found = step(&message, "step", &mut faults).fluids;
+        assert_eq!(found.len(), 64);
+        match faults.outcome() {
+            Err(Fault::SceneInvalid(all)) => {
+                let paths: Vec<&str> = all.iter().map(|one| one.path.as_str()).collect();
+                assert_eq!(paths[..2], ["step.fluid", "step.fluid.oil.pressure"]);
+            }
+            other => panic!("{other:?}"),
         }
     }
 

@@ -1,24 +1,30 @@
 //! Backups: of a running server through a socket in its data folder, which only the
 //! folder's owner reaches, or of a folder that no server uses.
 //!
-//! A client of the socket chooses no name: the server writes the copy into its own
-//! folder and says where; the client takes it away.
+//! A client of the socket chooses no name: it says `copy` or `link`, the server writes the copy
+//! into its own folder and says where, and the client takes it away.
 
-use std::io::{self, BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use std::{fs, process};
 
-use tokio::io::AsyncWriteExt as _;
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::UnixListener;
 
 use crate::data::fsck::{Fsck, fsck};
-use crate::journal::{Journal, JournalError, close_file, make_folder, sync_folder};
+use crate::journal::{
+    Copying, Journal, JournalError, close_file, copy_bytes, make_folder, sync_folder,
+};
 
 const SOCKET: &str = "control";
 const BACKUPS: &str = "backups";
+/// What a client says that wants second names of the files.
+const LINK: &str = "link\n";
+/// One that says nothing, as an earlier build did, gets a copy after this time.
+const SILENCE: Duration = Duration::from_secs(1);
 
 /// Why there is no copy of a data folder.
 #[derive(Debug, thiserror::Error)]
@@ -64,7 +70,7 @@ pub(crate) async fn serve(journal: Arc<Journal>) {
     };
     loop {
         let Ok((mut stream, _)) = listener.accept().await else {
-            tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+            tokio::time::sleep(Duration::from_millis(100)).await;
             continue;
         };
         // What waits to be written is in it too; a disk that is full can be copied.
@@ -74,8 +80,8 @@ pub(crate) async fn serve(journal: Arc<Journal>) {
                 "the backup has what was written before"
             );
         }
-        let made = journal.clone();
-        let made = tokio::task::spawn_blocking(move || copy(&made)).await;
+        let (made, copying) = (journal.clone(), wanted(&mut stream).await);
+        let made = tokio::task::spawn_blocking(move || copy(&made, copying)).await;
         let answer = match made {
             Ok(Ok(path)) => format!("ok {}\n", path.display()),
             Ok(Err(why)) => format!("error {why}\n"),
@@ -87,14 +93,24 @@ pub(crate) async fn serve(journal: Arc<Journal>) {
     }
 }
 
-fn copy(journal: &Journal) -> Result<PathBuf, JournalError> {
+/// What the client of the socket says.
+async fn wanted(stream: &mut tokio::net::UnixStream) -> Copying {
+    let mut said = [0; LINK.len()];
+    let read = tokio::time::timeout(SILENCE, stream.read_exact(&mut said)).await;
+    match read {
+        Ok(Ok(_)) if said == LINK.as_bytes() => Copying::Links,
+        Ok(_) | Err(_) => Copying::Bytes,
+    }
+}
+
+fn copy(journal: &Journal, copying: Copying) -> Result<PathBuf, JournalError> {
     let now = SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .unwrap_or_default();
     let backups = journal.folder().join(BACKUPS);
     make_folder(&backups)?;
     let target = backups.join(format!("{}-{}", now.as_nanos(), process::id()));
-    journal.backup(&target)?;
+    journal.backup(&target, copying)?;
     Ok(target)
 }
 
@@ -102,14 +118,21 @@ fn copy(journal: &Journal) -> Result<PathBuf, JournalError> {
 ///
 /// # Errors
 /// [`BackupError`]; `target` is then not there.
-pub fn backup(data: &Path, target: &Path) -> Result<(), BackupError> {
+pub fn backup(data: &Path, target: &Path, copying: Copying) -> Result<(), BackupError> {
     if target.exists() {
         return Err(wrong(target, &"exists already"));
     }
-    let Ok(stream) = UnixStream::connect(data.join(SOCKET)) else {
+    let Ok(mut stream) = UnixStream::connect(data.join(SOCKET)) else {
         fsck(data)?;
-        return Ok(Journal::copy(data, target)?);
+        return Ok(Journal::copy(data, target, copying)?);
     };
+    let said = match copying {
+        Copying::Bytes => "copy\n",
+        Copying::Links => LINK,
+    };
+    stream
+        .write_all(said.as_bytes())
+        .map_err(|error| wrong(data, &error))?;
     let mut answer = String::new();
     let mut reader = BufReader::new(stream);
     reader
@@ -135,7 +158,14 @@ pub fn restore(backup: &Path, data: &Path) -> Result<Fsck, BackupError> {
         return Err(wrong(data, &"exists already"));
     }
     copy_whole(backup, data)?;
-    Ok(found)
+    // What was made is looked at, not only what it was made from.
+    let made = fsck(data)?;
+    if made.faults.is_empty() {
+        Ok(made)
+    } else {
+        fs::remove_dir_all(data).map_err(|error| wrong(data, &error))?;
+        Err(BackupError::Faulty(made))
+    }
 }
 
 /// Moves a folder, by its bytes where it cannot get another name.
@@ -166,15 +196,9 @@ fn copy_folder(from: &Path, to: &Path) -> Result<(), BackupError> {
         if kind.is_dir() && entry.file_name() != BACKUPS {
             copy_folder(&entry.path(), &copy)?;
         } else if kind.is_file() {
-            copy_file(&entry.path(), &copy).map_err(|error| wrong(&copy, &error))?;
+            copy_bytes(&entry.path(), &copy).map_err(|error| wrong(&copy, &error))?;
         }
     }
     let synced = fs::File::open(to).and_then(|folder| folder.sync_all());
     synced.map_err(|error| wrong(to, &error))
-}
-
-fn copy_file(from: &Path, to: &Path) -> io::Result<()> {
-    fs::copy(from, to)?;
-    close_file(to)?;
-    fs::File::open(to)?.sync_all()
 }

@@ -82,6 +82,10 @@ pub fn fsck(folder: &Path) -> Result<Fsck, JournalError> {
             report.fault(&name, &"its file is missing or faulty");
         }
     }
+    let is_there = |digest: &str| files_of_states.iter().any(|file| file_name(file) == digest);
+    for digest in found.states.iter().filter(|digest| !is_there(digest)) {
+        report.fault(&states::name(digest), &"its file is missing");
+    }
     for (name, stored) in found.sessions {
         match stored {
             Ok(stored) => report.session(&name, stored, &known),
@@ -129,9 +133,9 @@ impl Fsck {
     }
 
     fn state(&mut self, file: &Path) {
-        let named = file_name(file);
+        let named = states::name(&file_name(file));
         match std::fs::read(file) {
-            Ok(bytes) if states::digest(&bytes) != named => {
+            Ok(bytes) if states::name(&states::digest(&bytes)) != named => {
                 self.fault(&named, &"its file is not as it was written");
             }
             Ok(bytes) => match State::from_bytes(&bytes) {

@@ -1,7 +1,7 @@
 //! Exported states: the bytes that travel, and those that were imported.
 //!
 //! ```text
-//! magic | version u32 | message: scene, mesh, state of the library | SHA-256
+//! magic | version u32 | message: scene, state of the library, what was done since | SHA-256
 //! ```
 //!
 //! Little-endian. The digest covers all that stands before it. A state is named by the
@@ -15,14 +15,16 @@ use prost::Message;
 use sha2::{Digest, Sha256};
 
 use crate::door::client_name::ClientName;
-use crate::fault::Fault;
-use crate::journal::Journal;
+use crate::fault::{Fault, UploadKind};
+use crate::journal::{Journal, StoredWork};
 use crate::registry::planning::{aside, unwritable};
 use crate::uploads::store::Reservation;
 
 const MAGIC: &[u8; 16] = b"signorini-state\n";
-/// Of this format; the library's state inside has its own.
+/// Of this format, where nothing was done since; the library's state inside has its own.
 const VERSION: u32 = 1;
+/// Of the format with what was done since.
+const WITH_SINCE: u32 = 2;
 const DIGEST: usize = 32;
 const PREFIX: &str = "states/";
 /// States that a server keeps of one client; the oldest goes first.
@@ -37,13 +39,21 @@ pub(crate) struct State {
     /// What the library wrote.
     #[prost(bytes = "bytes", tag = "2")]
     pub(crate) state: Bytes,
+    /// What was done on that up to the state that is meant.
+    #[prost(message, repeated, tag = "3")]
+    pub(crate) since: Vec<StoredWork>,
 }
 
 impl State {
     /// The bytes that travel.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
-        bytes.extend(VERSION.to_le_bytes());
+        let version = if self.since.is_empty() {
+            VERSION
+        } else {
+            WITH_SINCE
+        };
+        bytes.extend(version.to_le_bytes());
         bytes.extend(self.encode_to_vec());
         let digest = Sha256::digest(&bytes);
         bytes.extend(digest);
@@ -61,8 +71,8 @@ impl State {
         let damaged = || invalid("the state is damaged: it is cut short, or its digest differs");
         let (version, rest) = rest.split_first_chunk().ok_or_else(damaged)?;
         let found = u32::from_le_bytes(*version);
-        if found != VERSION {
-            let why = format!("a state of version {found}; this server reads version {VERSION}");
+        if !(VERSION..=WITH_SINCE).contains(&found) {
+            let why = format!("a state of version {found}; this server reads version {WITH_SINCE}");
             return Err(invalid(&why));
         }
         let (message, digest) = rest.split_last_chunk::<DIGEST>().ok_or_else(damaged)?;
@@ -140,12 +150,12 @@ impl States {
         journal: Option<&Arc<Journal>>,
         name: &str,
     ) -> Result<State, Fault> {
-        let digest = checked(name)?;
+        let wanted = checked(name)?;
         let found = match journal.cloned() {
             Some(journal) => {
                 let read = move || {
                     journal
-                        .read_state(&digest)
+                        .read_state(&wanted)
                         .map(|bytes| bytes.map(Bytes::from))
                 };
                 aside(read).await?.map_err(unwritable)?
@@ -153,11 +163,20 @@ impl States {
             None => {
                 let kept = self.lock();
                 let mut all = kept.iter();
-                let found = all.find(|one| one.digest == digest);
+                let found = all.find(|one| one.digest == wanted);
                 found.map(|one| one.bytes.clone())
             }
         };
-        State::from_bytes(&found.ok_or_else(|| Fault::StateNotFound(name.to_owned()))?)
+        let found = found.ok_or_else(|| Fault::StateNotFound(name.to_owned()))?;
+        if self::name(&digest(&found)) == name {
+            State::from_bytes(&found)
+        } else {
+            Err(Fault::UploadDamaged {
+                kind: UploadKind::State,
+                name: name.to_owned(),
+                why: "its digest differs".to_owned(),
+            })
+        }
     }
 
     fn lock(&self) -> MutexGuard<'_, VecDeque<Kept>> {
@@ -183,6 +202,7 @@ mod tests {
         State {
             scene: Bytes::from_static(b"a scene"),
             state: Bytes::from_static(b"a state"),
+            since: vec![StoredWork::default()],
         }
     }
 

@@ -2,10 +2,11 @@
 //! fairness between clients.
 //!
 //! A client is a user of this machine: the one at the other end of a Unix socket
-//! (`SO_PEERCRED`) or of a loopback connection (the table of sockets of Linux). Where
-//! neither is known a client is a connection, or the machine that it comes from. On a server
+//! (`SO_PEERCRED`) or of a connection from an address of this machine (the tables of sockets of
+//! Linux). Where neither is known a client is the machine that it comes from. On a server
 //! with a token file a client is the name that a call proves, whatever its connection. What one client has is shared out
-//! between its strands: processes behind a Unix socket, or TCP connections.
+//! between its strands: processes behind a Unix socket, or TCP connections, and one for all its
+//! sessions that nobody is attached to.
 
 use std::fmt;
 use std::net::SocketAddr;
@@ -21,7 +22,7 @@ pub(crate) enum ClientIdentity {
     Named(ClientName),
     /// User of this machine, by number.
     User(u32),
-    /// Nothing is known but the address; with port 0 a machine.
+    /// Nothing is known but the machine; the port is 0.
     Address(SocketAddr),
     Unknown,
 }
@@ -31,6 +32,8 @@ pub(crate) enum ClientIdentity {
 pub(crate) enum Strand {
     Connection(SocketAddr),
     Process(i32),
+    /// Of all sessions of a client that nobody is attached to: together they have one share.
+    Unattended,
     Unknown,
 }
 
@@ -59,6 +62,7 @@ impl fmt::Display for ClientKey {
         match self.strand {
             Strand::Connection(address) => write!(formatter, "{address}"),
             Strand::Process(number) => write!(formatter, "process {number}"),
+            Strand::Unattended => formatter.write_str("nobody attached"),
             Strand::Unknown => formatter.write_str("unknown"),
         }
     }
@@ -91,14 +95,17 @@ impl ClientKey {
         peer.unwrap_or(&Peer::UNKNOWN).client
     }
 
-    /// The shares of all its sessions.
-    pub(crate) fn path(self) -> [Share; 2] {
-        [Share::Client(self.identity), Share::Strand(self.strand)]
+    /// The client where nobody of it waits.
+    pub(crate) fn unattended(self) -> Self {
+        Self {
+            strand: Strand::Unattended,
+            ..self
+        }
     }
 
     /// The share of one session.
     pub(crate) fn flow(self, session: u64) -> Flow {
-        let [client, strand] = self.path();
+        let (client, strand) = (Share::Client(self.identity), Share::Strand(self.strand));
         [client, strand, Share::Session(session)]
     }
 }

@@ -11,8 +11,10 @@
 //! | `request_id` | layer: the identifier of a call |
 //! | `calls` | layer: counts calls and the bytes of their messages |
 //! | `access` | layer: transport security, tokens, roles, rates, audit |
+//! | `open_calls` | layer: how many calls of health and reflection are open |
 //! | `gates` | layer: memory of messages, plans and uploads before it exists |
 //! | `transport` | layer: refusals of the transport with their reasons |
+//! | `untaken` | layer: since when answers wait for their clients |
 //! | `refusal` | counts and logs a refused request |
 
 pub(crate) mod accept;
@@ -23,6 +25,8 @@ pub(crate) mod client_name;
 pub(crate) mod gates;
 pub(crate) mod layer;
 pub(crate) mod listen;
+pub(crate) mod open_calls;
 pub(crate) mod refusal;
 pub(crate) mod request_id;
 pub(crate) mod transport;
+pub(crate) mod untaken;

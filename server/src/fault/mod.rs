@@ -56,6 +56,12 @@ pub(crate) enum Fault {
     },
     #[error("`{name}` has no result of sequence {sequence}")]
     StepNotFound { name: String, sequence: i64 },
+    #[error("`{name}` has {newest} results; the client says that it has seen {seen}")]
+    EventNotFound {
+        name: String,
+        seen: i64,
+        newest: i64,
+    },
     #[error("sequence {received} where {expected} is next")]
     SequenceGap { received: i64, expected: i64 },
     #[error("results of sequence {sequence} are dropped; {first} is the first kept")]
@@ -76,6 +82,8 @@ pub(crate) enum Fault {
     MessageLimit { what: String, limit: u64 },
     #[error("the deadline of the stream has passed")]
     StreamDeadline,
+    #[error("the client has taken no message of the stream for {seconds} seconds")]
+    StreamUnread { seconds: u64 },
     #[error("the server is shutting down")]
     ShuttingDown,
     /// The session is in the data folder and goes on with the next call.
@@ -84,8 +92,21 @@ pub(crate) enum Fault {
     /// The data folder takes nothing now; what was acknowledged is there.
     #[error("{0}")]
     Unwritable(String),
-    #[error("`{name}` cannot be read from the data folder: {why}")]
+    #[error(
+        "`{name}` cannot be read from the data folder: {why}; delete it and send its steps to a new \
+         session, or restore a backup"
+    )]
     SessionDamaged { name: String, why: String },
+    /// What the data folder has of an upload is not what was written.
+    #[error(
+        "`{name}` in the data folder is not as it was written: {why}; send it again, or restore a \
+         backup"
+    )]
+    UploadDamaged {
+        kind: UploadKind,
+        name: String,
+        why: String,
+    },
     #[error("no state `{0}` is kept here")]
     StateNotFound(String),
     /// Bytes that no session goes on from.
@@ -104,6 +125,25 @@ pub(crate) enum Fault {
     },
     #[error("a defect of the server; its log says more")]
     Internal,
+}
+
+/// What clients upload.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum UploadKind {
+    Mesh,
+    Surface,
+    State,
+}
+
+impl UploadKind {
+    /// The word of metrics.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Mesh => "mesh",
+            Self::Surface => "surface",
+            Self::State => "state",
+        }
+    }
 }
 
 /// What a session has failed by.

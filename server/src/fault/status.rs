@@ -14,8 +14,8 @@ use signorini::scene::Violation;
 use tonic::Code;
 use tonic_types::pb;
 
-use crate::fault::Fault;
 use crate::fault::retry;
+use crate::fault::{Fault, UploadKind};
 use metadata::metadata;
 
 /// Encoded size that no status reaches.
@@ -40,7 +40,7 @@ pub(crate) fn reason(fault: &Fault) -> &'static str {
 }
 
 /// Every reason, in the order of the faults.
-pub(crate) const REASONS: [&str; 34] = [
+pub(crate) const REASONS: [&str; 39] = [
     "SCENE_INVALID",
     "UNSUPPORTED_COMBINATION",
     "REQUEST_INVALID",
@@ -59,6 +59,7 @@ pub(crate) const REASONS: [&str; 34] = [
     "SESSION_DELETED",
     "SESSION_FAILED",
     "STEP_NOT_FOUND",
+    "EVENT_NOT_FOUND",
     "SEQUENCE_GAP",
     "SEQUENCE_NOT_RETAINED",
     "MEMORY_BUDGET",
@@ -67,9 +68,13 @@ pub(crate) const REASONS: [&str; 34] = [
     "CALL_RATE",
     "MESSAGE_LIMIT",
     "STREAM_DEADLINE",
+    "STREAM_UNREAD",
     "SHUTTING_DOWN",
     "DATA_UNWRITABLE",
     "SESSION_DAMAGED",
+    "MESH_DAMAGED",
+    "SURFACE_DAMAGED",
+    "STATE_DAMAGED",
     "STATE_NOT_FOUND",
     "STATE_INVALID",
     "UNAUTHENTICATED",
@@ -127,6 +132,7 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::SessionDeleted(_) => (Code::Aborted, "SESSION_DELETED"),
         Fault::SessionFailed { .. } => (Code::FailedPrecondition, "SESSION_FAILED"),
         Fault::StepNotFound { .. } => (Code::NotFound, "STEP_NOT_FOUND"),
+        Fault::EventNotFound { .. } => (Code::OutOfRange, "EVENT_NOT_FOUND"),
         Fault::SequenceGap { .. } => (Code::OutOfRange, "SEQUENCE_GAP"),
         Fault::SequenceNotRetained { .. } => (Code::OutOfRange, "SEQUENCE_NOT_RETAINED"),
         Fault::MemoryBudget { .. } => (Code::ResourceExhausted, "MEMORY_BUDGET"),
@@ -135,15 +141,25 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::CallRate { .. } => (Code::ResourceExhausted, "CALL_RATE"),
         Fault::MessageLimit { .. } => (Code::ResourceExhausted, "MESSAGE_LIMIT"),
         Fault::StreamDeadline => (Code::DeadlineExceeded, "STREAM_DEADLINE"),
+        Fault::StreamUnread { .. } => (Code::Unavailable, "STREAM_UNREAD"),
         Fault::ShuttingDown => (Code::Unavailable, "SHUTTING_DOWN"),
         Fault::Interrupted => (Code::Unavailable, "SHUTTING_DOWN"),
         Fault::Unwritable(_) => (Code::Unavailable, "DATA_UNWRITABLE"),
         Fault::SessionDamaged { .. } => (Code::DataLoss, "SESSION_DAMAGED"),
+        Fault::UploadDamaged { kind, .. } => (Code::DataLoss, damaged(*kind)),
         Fault::StateNotFound(_) => (Code::NotFound, "STATE_NOT_FOUND"),
         Fault::StateInvalid(_) => (Code::InvalidArgument, "STATE_INVALID"),
         Fault::Unauthenticated => (Code::Unauthenticated, "UNAUTHENTICATED"),
         Fault::PermissionDenied { .. } => (Code::PermissionDenied, "PERMISSION_DENIED"),
         Fault::Internal => (Code::Internal, "INTERNAL"),
+    }
+}
+
+fn damaged(kind: UploadKind) -> &'static str {
+    match kind {
+        UploadKind::Mesh => "MESH_DAMAGED",
+        UploadKind::Surface => "SURFACE_DAMAGED",
+        UploadKind::State => "STATE_DAMAGED",
     }
 }
 

@@ -12,15 +12,30 @@ use super::error::JournalError;
 use super::files;
 use super::layout::{DATABASE_FILE, FORMAT_FILE};
 
+/// How the files of a backup come about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Copying {
+    /// By their bytes: what becomes of the folder does not touch the backup.
+    #[default]
+    Bytes,
+    /// By a second name, where the file system allows that: at once and without room, and what
+    /// spoils a file of the folder spoils it in the backup.
+    Links,
+}
+
 /// Copies the folder into `target`, which must not exist: all sessions as they are at
 /// one moment, and the files that they need.
-pub(super) fn copy(source: &Database, folder: &Path, target: &Path) -> Result<(), JournalError> {
+pub(super) fn copy(
+    source: &Database,
+    (folder, target): (&Path, &Path),
+    copying: Copying,
+) -> Result<(), JournalError> {
     let beside = target.with_extension("part");
     if target.exists() {
         return Err(JournalError::at(target, &"exists already"));
     }
     remove(&beside)?;
-    let made = make(source, folder, &beside).and_then(|()| {
+    let made = make(source, (folder, &beside), copying).and_then(|()| {
         let moved = fs::rename(&beside, target).and_then(|()| files::sync_folder(target));
         moved.map_err(|error| JournalError::at(target, &error))
     });
@@ -30,16 +45,20 @@ pub(super) fn copy(source: &Database, folder: &Path, target: &Path) -> Result<()
     made
 }
 
-fn make(source: &Database, folder: &Path, target: &Path) -> Result<(), JournalError> {
+fn make(
+    source: &Database,
+    (folder, target): (&Path, &Path),
+    copying: Copying,
+) -> Result<(), JournalError> {
     for part in PARTS {
         files::make_folder(&target.join(part))?;
     }
     // A file that goes or comes meanwhile is in one of the two.
-    copy_files(folder, target)?;
+    copy_files(folder, target, copying)?;
     copy_database(source, &target.join(DATABASE_FILE))?;
-    copy_files(folder, target)?;
+    copy_files(folder, target, copying)?;
     let format = folder.join(FORMAT_FILE);
-    copy_bytes(&format, &target.join(FORMAT_FILE))
+    files::copy_bytes(&format, &target.join(FORMAT_FILE))
         .map_err(|error| JournalError::at(&format, &error))?;
     let folders = PARTS.map(|part| target.join(part));
     let mut all = folders.iter().map(PathBuf::as_path).chain([target]);
@@ -47,15 +66,8 @@ fn make(source: &Database, folder: &Path, target: &Path) -> Result<(), JournalEr
         .map_err(|error| JournalError::at(target, &error))
 }
 
-/// Copies a file, onto the disk.
-fn copy_bytes(from: &Path, to: &Path) -> io::Result<()> {
-    fs::copy(from, to)?;
-    files::close_file(to)?;
-    files::sync(to)
-}
-
-/// Files never change, so a second name is a copy; where that cannot be, their bytes.
-fn copy_files(folder: &Path, target: &Path) -> Result<(), JournalError> {
+/// Files never change: one that is there is whole, for it gets its name when it is.
+fn copy_files(folder: &Path, target: &Path, copying: Copying) -> Result<(), JournalError> {
     for part in PARTS {
         let from = folder.join(part);
         let wrong = |error: io::Error| JournalError::at(&from, &error);
@@ -71,8 +83,9 @@ fn copy_files(folder: &Path, target: &Path) -> Result<(), JournalError> {
             if is_part || to.exists() {
                 continue;
             }
-            if fs::hard_link(entry.path(), &to).is_err() {
-                match copy_bytes(&entry.path(), &to) {
+            let is_linked = copying == Copying::Links && fs::hard_link(entry.path(), &to).is_ok();
+            if !is_linked {
+                match copy_whole(&entry.path(), &to) {
                     // It has been dropped since.
                     Err(error) if error.kind() == io::ErrorKind::NotFound => {}
                     outcome => outcome.map_err(wrong)?,
@@ -81,6 +94,13 @@ fn copy_files(folder: &Path, target: &Path) -> Result<(), JournalError> {
         }
     }
     Ok(())
+}
+
+/// Copies a file beside its place first.
+fn copy_whole(from: &Path, to: &Path) -> io::Result<()> {
+    let beside = to.with_extension("part");
+    files::copy_bytes(from, &beside)?;
+    fs::rename(&beside, to)
 }
 
 fn copy_database(source: &Database, path: &Path) -> Result<(), JournalError> {

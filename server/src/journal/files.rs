@@ -4,7 +4,7 @@
 //! a name there is all of it or nothing.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read as _, Write};
 use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -95,6 +95,24 @@ pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
         Some(folder) => sync(folder),
         None => Ok(()),
     }
+}
+
+/// Bytes that a copy reads at one time.
+const COPIED: usize = 1 << 20;
+
+/// Copies a file, onto the disk: byte by byte, so that the two share no block, as file systems
+/// let them that copy by reference.
+pub(crate) fn copy_bytes(from: &Path, to: &Path) -> io::Result<()> {
+    let (mut source, mut target) = (File::open(from)?, create(to)?);
+    let mut bytes = vec![0; COPIED];
+    loop {
+        let read = source.read(&mut bytes)?;
+        let Some(read) = bytes.get(..read).filter(|read| !read.is_empty()) else {
+            break;
+        };
+        target.write_all(read)?;
+    }
+    target.sync_all()
 }
 
 /// Waits until the disk has a file, or the names in a folder.

@@ -17,6 +17,8 @@ pub(crate) struct Inspection {
     pub(crate) meshes: Vec<String>,
     /// Names of the surfaces of tools in the database.
     pub(crate) surfaces: Vec<String>,
+    /// Digests of the states in the database.
+    pub(crate) states: Vec<String>,
     /// Files of meshes, of states and of surfaces.
     pub(crate) files: [Vec<PathBuf>; 3],
     /// Bytes of everything.
@@ -38,6 +40,7 @@ pub(crate) fn inspect(folder: &Path) -> Result<Inspection, JournalError> {
     let sessions = names.into_iter().map(load).collect();
     let meshes = names_of(guarded(|| database::meshes(&open))?);
     let surfaces = names_of(guarded(|| database::surfaces(&open))?);
+    let states = names_of(guarded(|| database::states(&open))?);
     let [of_meshes, of_states, of_surfaces] = PARTS.map(|part| list(&folder.join(part)));
     let files = [of_meshes?, of_states?, of_surfaces?];
     let all = files.iter().flatten().chain([&path]);
@@ -50,6 +53,7 @@ pub(crate) fn inspect(folder: &Path) -> Result<Inspection, JournalError> {
         sessions,
         meshes,
         surfaces,
+        states,
         files,
         bytes,
     })

@@ -14,12 +14,14 @@
 
 mod backup;
 mod database;
+mod disk;
 mod error;
 #[cfg(feature = "fleet")]
 mod fenced;
 mod files;
 mod inspect;
 mod layout;
+mod presence;
 mod record;
 mod retention;
 mod shared;
@@ -35,16 +37,19 @@ use redb::Database;
 use crate::config::Limit;
 use crate::watch::metrics::Metrics;
 
+pub use backup::Copying;
 pub(crate) use database::{Change, Listed, Stored};
+pub(crate) use disk::Disk;
 pub use error::JournalError;
 #[cfg(feature = "fleet")]
 pub(crate) use fenced::Fence;
-pub(crate) use files::{Part, close_file, make_folder, sync_folder};
+pub(crate) use files::{Part, close_file, copy_bytes, make_folder, sync_folder};
 pub(crate) use inspect::inspect;
 use layout::DATABASE_FILE;
+pub(crate) use presence::Presence;
 pub(crate) use record::{
     StoredCheckpoint, StoredField, StoredFields, StoredMesh, StoredResult, StoredSave,
-    StoredSession, StoredSurface, StoredUpdate,
+    StoredSession, StoredSurface, StoredUpdate, StoredWork,
 };
 use shared::Shared;
 use writer::Writer;
@@ -68,6 +73,7 @@ pub(crate) enum Urgency {
 pub(crate) struct Journal {
     folder: PathBuf,
     database: Arc<Shelf>,
+    disk: Arc<Disk>,
     writer: Writer,
     shared: Shared,
 }
@@ -135,15 +141,18 @@ impl Journal {
             path,
             database: RwLock::new(Some(opened)),
         });
-        let writer = Writer::start(Arc::clone(&database), metrics)
+        let disk = Disk::of(folder, metrics);
+        let writer = Writer::start(Arc::clone(&database), &disk, metrics)
             .map_err(|error| JournalError::at(folder, &error))?;
         let journal = Self {
             folder: folder.to_owned(),
             database,
+            disk,
             writer,
             shared: Shared::default(),
         };
-        journal.match_states()?;
+        let lost = journal.match_states()?;
+        (0..lost).for_each(|_| metrics.damaged("state"));
         Ok(journal)
     }
 
@@ -218,18 +227,23 @@ impl Journal {
     ///
     /// # Errors
     /// When something cannot be read or written.
-    pub(crate) fn backup(&self, target: &Path) -> Result<(), JournalError> {
+    pub(crate) fn backup(&self, target: &Path, copying: Copying) -> Result<(), JournalError> {
         self.database
-            .with(|open| backup::copy(open, &self.folder, target))
+            .with(|open| backup::copy(open, (&self.folder, target), copying))
     }
 
     /// As [`Journal::backup`], of a folder that no server uses. Blocks.
-    pub(crate) fn copy(folder: &Path, target: &Path) -> Result<(), JournalError> {
+    pub(crate) fn copy(folder: &Path, target: &Path, copying: Copying) -> Result<(), JournalError> {
         layout::check(folder)?;
         let open = database::open(&folder.join(DATABASE_FILE))?;
         // A table that a later build than the folder's last one knows.
         guarded(|| database::make_tables(&open))?;
-        guarded(|| backup::copy(&open, folder, target))
+        guarded(|| backup::copy(&open, (folder, target), copying))
+    }
+
+    /// What is known of its disk.
+    pub(crate) fn disk(&self) -> &Arc<Disk> {
+        &self.disk
     }
 
     pub(crate) fn folder(&self) -> &Path {

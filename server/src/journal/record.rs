@@ -107,17 +107,40 @@ pub(crate) struct StoredCheckpoint {
     /// Increments of that update that are done; 0 where the update is finished.
     #[prost(uint32, tag = "3")]
     pub(crate) done: u32,
-    /// What the library wrote.
+    /// What the library wrote, where the solver knew nothing.
     #[prost(bytes = "bytes", tag = "4")]
     pub(crate) state: Bytes,
+    /// What was done on it before.
+    #[prost(message, repeated, tag = "5")]
+    pub(crate) since: Vec<StoredWork>,
+}
+
+/// What an update did to a state, to be done again.
+#[derive(Clone, PartialEq, Message)]
+pub(crate) struct StoredWork {
+    /// The `SolveRequest` that brought the update, encoded.
+    #[prost(bytes = "bytes", tag = "1")]
+    pub(crate) encoded: Bytes,
+    /// Increments of it that the state has already.
+    #[prost(uint32, tag = "2")]
+    pub(crate) before: u32,
+    /// Increments after those.
+    #[prost(uint32, tag = "3")]
+    pub(crate) done: u32,
+    /// Whether it was stopped then.
+    #[prost(bool, tag = "4")]
+    pub(crate) stopped: bool,
 }
 
 /// A state that a client may go back to.
 #[derive(Clone, PartialEq, Message)]
 pub(crate) struct StoredSave {
-    /// What the library wrote.
+    /// What the library wrote, where the solver knew nothing.
     #[prost(bytes = "bytes", tag = "1")]
     pub(crate) state: Bytes,
+    /// What was done on it up to the state that is meant.
+    #[prost(message, repeated, tag = "2")]
+    pub(crate) since: Vec<StoredWork>,
 }
 
 /// A stored mesh, for lists.

@@ -143,4 +143,32 @@ mod tests {
         journal.close();
         fs::remove_dir_all(&folder).unwrap();
     }
+
+    #[test]
+    fn a_mesh_of_another_server_is_kept_in_the_own_folder_once_it_is_used() {
+        let name = format!("signorini-shared-own-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        // Of an earlier process of the same number.
+        drop(fs::remove_dir_all(&folder));
+        let store = folder.join("store");
+        let open = |own: &str| {
+            let journal = Journal::open(&folder.join(own), &Metrics::new().unwrap()).unwrap();
+            journal.sharing(&store).unwrap()
+        };
+        let id = signorini::mesh::MeshId::from_bytes([7; 32]);
+        let (first, second) = (open("first"), open("second"));
+        let part = first.write_mesh(|put| put(b"mesh")).unwrap();
+        first.keep_mesh(part, id).unwrap();
+        let entry = StoredMesh::default();
+        first.share(("meshes", &id.to_string()), &entry).unwrap();
+        let found = second.read_mesh(id).unwrap().unwrap();
+        second.have_mesh(id, &found);
+        // All of it is there without the shared folder.
+        fs::remove_dir_all(&store).unwrap();
+        assert_eq!(second.read_mesh(id).unwrap().as_deref(), Some(&b"mesh"[..]));
+        assert_eq!(second.meshes().unwrap(), [(format!("meshes/{id}"), entry)]);
+        first.close();
+        second.close();
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }

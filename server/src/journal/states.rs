@@ -25,7 +25,8 @@ impl Journal {
         owner: &str,
         most: usize,
     ) -> Result<(), JournalError> {
-        files::write(&self.state_file(digest), bytes)?;
+        self.disk()
+            .told(files::write(&self.state_file(digest), bytes))?;
         let entered = StoredState {
             owner: owner.to_owned(),
             made: now(),
@@ -58,17 +59,20 @@ impl Journal {
         files::read(&self.state_file(digest))
     }
 
-    /// Enters the files that have no entry, and drops the entries that have no file.
-    pub(super) fn match_states(&self) -> Result<(), JournalError> {
+    /// Enters the files that have no entry, and drops the entries that have no file; how many of
+    /// these there were.
+    pub(super) fn match_states(&self) -> Result<usize, JournalError> {
         let entries = self.database.with(database::states)?;
         let entered: HashSet<&str> = entries.iter().map(|(digest, _)| digest.as_str()).collect();
         let found = files_of(&self.state_folder())?;
         let is_there = |digest: &str| found.iter().any(|(name, _)| name == digest);
-        let mut changes: Vec<Change> = entered
-            .iter()
-            .filter(|digest| !is_there(digest))
-            .map(|digest| Change::DropState((*digest).to_owned()))
-            .collect();
+        let lost = entered.iter().filter(|digest| !is_there(digest));
+        let lost: Vec<String> = lost.map(|digest| (*digest).to_owned()).collect();
+        for digest in &lost {
+            tracing::error!(name = format!("states/{digest}"), "its file is gone");
+        }
+        let count = lost.len();
+        let mut changes: Vec<Change> = lost.into_iter().map(Change::DropState).collect();
         let unknown = found
             .iter()
             .filter(|(name, _)| !entered.contains(name.as_str()));
@@ -80,15 +84,14 @@ impl Journal {
             };
             Change::State(name.clone(), state)
         }));
-        if changes.is_empty() {
-            Ok(())
-        } else {
-            self.write_now(changes)
+        if !changes.is_empty() {
+            self.write_now(changes)?;
         }
+        Ok(count)
     }
 
     /// Returns when the disk has changes that belong to no session.
-    fn write_now(&self, changes: Vec<Change>) -> Result<(), JournalError> {
+    pub(super) fn write_now(&self, changes: Vec<Change>) -> Result<(), JournalError> {
         let (sender, receiver) = std::sync::mpsc::channel();
         let done = Box::new(move |outcome| {
             // Whoever asked waits below.

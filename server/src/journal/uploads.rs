@@ -5,14 +5,14 @@
 //! acknowledged, and is nobody's.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use signorini::mesh::MeshId;
 
 use super::error::JournalError;
 use super::files::Part;
 use super::record::{StoredMesh, StoredSurface};
-use super::{Journal, database, files};
+use super::{Change, Journal, database, files};
 
 /// Takes the next bytes of a file.
 type Put<'a> = dyn FnMut(&[u8]) -> Written + 'a;
@@ -63,6 +63,42 @@ impl Journal {
         }
     }
 
+    /// Keeps a mesh that another server of the fleet has sent in this folder, too, so that its
+    /// backups need no other; what the disk refuses is read from there again. Blocks.
+    pub(crate) fn have_mesh(&self, id: MeshId, bytes: &[u8]) {
+        let (path, name) = (self.mesh_file(id), format!("meshes/{id}"));
+        let entry = |stored| Change::Mesh(name.clone(), stored);
+        self.have((&path, bytes), || Ok(self.shared_entry(&name)?.map(entry)));
+    }
+
+    /// As [`Journal::have_mesh`], of a surface. Blocks.
+    pub(crate) fn have_surface(&self, digest: &str, bytes: &[u8]) {
+        let (path, name) = (self.surface_file(digest), format!("surfaces/{digest}"));
+        let entry = |stored| Change::Surface(name.clone(), stored);
+        self.have((&path, bytes), || Ok(self.shared_entry(&name)?.map(entry)));
+    }
+
+    fn have(
+        &self,
+        (path, bytes): (&Path, &[u8]),
+        entry: impl FnOnce() -> Result<Option<Change>, JournalError>,
+    ) {
+        if path.exists() {
+            return;
+        }
+        let kept = entry().and_then(|entry| match entry {
+            // The file before its entry.
+            Some(entry) => files::write(path, bytes).and_then(|()| self.write_now(vec![entry])),
+            None => Ok(()),
+        });
+        if let Err(why) = kept {
+            tracing::warn!(
+                why = why.to_string(),
+                "an upload stays in the shared folder alone"
+            );
+        }
+    }
+
     /// As [`Journal::read_mesh`], of a surface.
     ///
     /// # Errors
@@ -86,22 +122,24 @@ impl Journal {
 
     /// Writes the bytes of a mesh beside its place, which is not known yet. Blocks.
     pub(crate) fn write_mesh(&self, fill: impl FnOnce(&mut Put<'_>) -> Written) -> MadePart {
-        Part::write(&self.folder().join("meshes"), fill)
+        self.disk()
+            .told(Part::write(&self.folder().join("meshes"), fill))
     }
 
     /// Writes the bytes of a surface beside its place: they may turn out to be none. Blocks.
     pub(crate) fn write_surface(&self, fill: impl FnOnce(&mut Put<'_>) -> Written) -> MadePart {
-        Part::write(&self.folder().join("surfaces"), fill)
+        self.disk()
+            .told(Part::write(&self.folder().join("surfaces"), fill))
     }
 
     /// Gives a mesh its place. Blocks.
     pub(crate) fn keep_mesh(&self, part: Part, id: MeshId) -> Result<(), JournalError> {
-        part.keep(&self.mesh_file(id))
+        self.disk().told(part.keep(&self.mesh_file(id)))
     }
 
     /// Gives a surface its place. Blocks.
     pub(crate) fn keep_surface(&self, part: Part, digest: &str) -> Result<(), JournalError> {
-        part.keep(&self.surface_file(digest))
+        self.disk().told(part.keep(&self.surface_file(digest)))
     }
 
     fn mesh_file(&self, id: MeshId) -> PathBuf {

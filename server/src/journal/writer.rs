@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use redb::Durability;
 
 use super::database::{self, Change};
+use super::disk::Disk;
 use super::error::JournalError;
 #[cfg(feature = "fleet")]
 use super::fenced::{Fence, encoded, is_own, whole};
@@ -53,13 +54,18 @@ pub(super) struct Writer {
 
 impl Writer {
     /// Starts the thread.
-    pub(super) fn start(shelf: Arc<Shelf>, metrics: &Arc<Metrics>) -> std::io::Result<Self> {
+    pub(super) fn start(
+        shelf: Arc<Shelf>,
+        disk: &Arc<Disk>,
+        metrics: &Arc<Metrics>,
+    ) -> std::io::Result<Self> {
         let (sender, receiver) = mpsc::channel();
-        let metrics = Arc::clone(metrics);
+        let (disk, metrics) = (Arc::clone(disk), Arc::clone(metrics));
         #[cfg(feature = "fleet")]
         let fence = Fenced::default();
         let pen = Pen {
             shelf,
+            disk,
             metrics,
             #[cfg(feature = "fleet")]
             fence: Arc::clone(&fence),
@@ -136,6 +142,7 @@ impl Writer {
 /// What the thread works with.
 struct Pen {
     shelf: Arc<Shelf>,
+    disk: Arc<Disk>,
     metrics: Arc<Metrics>,
     #[cfg(feature = "fleet")]
     fence: Fenced,
@@ -159,9 +166,11 @@ impl Pen {
             let durability = Durability::Immediate;
             let outcome = commit(&self.shelf, &batch, durability, &self.metrics);
             if let Err(error) = &outcome {
-                self.metrics.journal_failed();
+                self.disk.refused(error);
                 tracing::error!(why = error.to_string(), "the journal cannot be written");
                 broken.enter(&batch);
+            } else {
+                self.disk.took();
             }
             // Before anybody hears of it, who may give the session back then.
             #[cfg(feature = "fleet")]

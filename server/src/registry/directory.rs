@@ -10,6 +10,7 @@ use tokio::time::Instant;
 use crate::config::Config;
 use crate::convert::{step, surface};
 use crate::door::access::Caller;
+use crate::door::client_key::ClientIdentity;
 use crate::door::client_name::ClientName;
 use crate::journal::Listed;
 use crate::registry::wake;
@@ -22,6 +23,9 @@ pub(super) struct Directory {
     pub(super) sessions: BTreeMap<String, Option<Handle>>,
     /// Session name by whose request it was and its identifier.
     pub(super) requests: HashMap<(Option<ClientName>, String), String>,
+    /// Who made sessions, those that are being made included, as far as that is known: a data
+    /// folder knows names only.
+    pub(super) clients: HashMap<String, ClientIdentity>,
     /// Whom sessions belong to, those that are being made included; the others belong to all.
     pub(super) owners: HashMap<String, ClientName>,
     pub(super) expired: VecDeque<(String, Option<ClientName>)>,
@@ -67,6 +71,8 @@ impl Directory {
         }
         if let Some(owner) = owner {
             self.owners.insert(name.clone(), owner);
+            let client = ClientIdentity::Named(owner);
+            self.clients.insert(name.clone(), client);
         }
         let ttl = step::duration(request.ttl.as_ref(), "ttl");
         let sleeper = Sleeper {
@@ -87,9 +93,9 @@ impl Directory {
         self.sessions.len() + self.asleep.len()
     }
 
-    /// Sessions of one owner.
-    pub(super) fn count_of(&self, owner: ClientName) -> usize {
-        self.owners.values().filter(|one| **one == owner).count()
+    /// Sessions of one client.
+    pub(super) fn count_of(&self, client: ClientIdentity) -> usize {
+        self.clients.values().filter(|one| **one == client).count()
     }
 
     pub(super) fn may_see(&self, caller: &Caller, name: &str) -> bool {
@@ -104,6 +110,7 @@ impl Directory {
         self.sessions.remove(name);
         self.asleep.remove(name);
         self.owners.remove(name);
+        self.clients.remove(name);
         self.requests.retain(|_, session| session != name);
     }
 }

@@ -25,6 +25,7 @@ use signorini_proto::v1 as wire;
 use tokio::sync::{Notify, watch};
 
 use crate::door::access::Caller;
+use crate::door::client_key::ClientIdentity;
 use crate::door::refusal;
 use crate::fault::Fault;
 use crate::fleet::Wish;
@@ -41,6 +42,15 @@ const REMEMBERED: usize = 1000;
 /// Bytes of a name in a request.
 const LONGEST_NAME: usize = 256;
 
+/// How streams are kept alive, and when they end.
+#[derive(Clone, Copy)]
+pub(crate) struct Pace {
+    /// Without another message until a heartbeat.
+    pub(crate) heartbeat: Duration,
+    /// Without a message taken until the end.
+    pub(crate) unread: Duration,
+}
+
 /// Where a session is.
 enum Found {
     Awake(Handle),
@@ -54,6 +64,8 @@ enum Found {
 pub(crate) struct Registry {
     directory: Mutex<Directory>,
     draining: AtomicBool,
+    /// Nobody can ask any more.
+    closed: AtomicBool,
     /// Sessions that the fleet is asked for just now.
     asked: Mutex<HashSet<String>>,
     /// Some session started or will not start.
@@ -77,6 +89,7 @@ impl Registry {
         Ok(Arc::new(Self {
             directory: Mutex::new(directory),
             draining: AtomicBool::new(false),
+            closed: AtomicBool::new(false),
             asked: Mutex::default(),
             settled: Notify::new(),
             streams: watch::Sender::new(0),
@@ -90,8 +103,13 @@ impl Registry {
     }
 
     /// Time of silence after which a stream gets a heartbeat.
-    pub(crate) fn heartbeat(&self) -> Duration {
-        self.services.config.heartbeat()
+    /// How streams are kept alive and when they end.
+    pub(crate) fn pace(&self) -> Pace {
+        let config = &self.services.config;
+        Pace {
+            heartbeat: config.heartbeat(),
+            unread: config.unread_time(),
+        }
     }
 
     pub(crate) fn metrics(&self) -> &Metrics {
@@ -115,10 +133,15 @@ impl Registry {
     /// Refuses new work.
     pub(crate) fn check_open(&self) -> Result<(), Fault> {
         if self.draining.load(Ordering::SeqCst) {
-            Err(Fault::ShuttingDown)
-        } else {
-            Ok(())
+            return Err(Fault::ShuttingDown);
         }
+        self.services.check_data()
+    }
+
+    /// Whether probes shall send work here: it is taken, and can be kept.
+    pub(crate) fn check_ready(&self) -> Result<(), Fault> {
+        self.check_open()?;
+        self.services.check_ready()
     }
 
     /// The session of that name, out of the data folder where it has to be. One of another
@@ -197,7 +220,7 @@ impl Registry {
     /// request of this identifier made; waits while that one is being made.
     pub(crate) async fn claim(
         self: &Arc<Self>,
-        caller: &Caller,
+        (caller, client): (&Caller, ClientIdentity),
         id: &str,
         request_id: &str,
     ) -> Result<Claimed, Fault> {
@@ -214,7 +237,7 @@ impl Registry {
             let mut settled = pin!(self.settled.notified());
             // Registered before the look, so that no change falls between.
             settled.as_mut().enable();
-            let tried = self.try_claim(caller, &name, request_id);
+            let tried = self.try_claim((caller, client), &name, request_id);
             if !self.lock().contains(&name) {
                 self.release(&name);
             }
@@ -232,7 +255,7 @@ impl Registry {
     /// session of this request is being made.
     fn try_claim(
         self: &Arc<Self>,
-        caller: &Caller,
+        (caller, client): (&Caller, ClientIdentity),
         name: &str,
         request_id: &str,
     ) -> Result<Option<Result<Claim, String>>, Fault> {
@@ -243,7 +266,7 @@ impl Registry {
         if let Some(made) = inner.of_request(&request) {
             return Ok(made.map(Err));
         }
-        self.check_room(&inner, caller)?;
+        self.check_room(&inner, client)?;
         if inner.contains(&name) {
             return Err(Fault::SessionExists(name));
         }
@@ -254,16 +277,17 @@ impl Registry {
         if let Some(owner) = caller.name() {
             inner.owners.insert(name.clone(), owner);
         }
+        inner.clients.insert(name.clone(), client);
         caller.note(&name);
         let registry = Arc::clone(self);
         Ok(Some(Ok(Claim { registry, name })))
     }
 
     /// Refuses one more session than there may be, in all or of one client.
-    fn check_room(&self, inner: &Directory, caller: &Caller) -> Result<(), Fault> {
+    fn check_room(&self, inner: &Directory, client: ClientIdentity) -> Result<(), Fault> {
         let config = &self.services.config;
         let refused = |limit| Err(Fault::SessionLimit { limit });
-        let own = caller.name().map_or(0, |name| inner.count_of(name));
+        let own = inner.count_of(client);
         match (config.maximum_sessions, config.maximum_client_sessions) {
             (limit, _) if inner.len() >= limit => refused(limit),
             (_, limit) if limit > 0 && own >= limit => refused(limit),
@@ -350,6 +374,11 @@ impl Registry {
         }
     }
 
+    /// The server is about to close its journal.
+    pub(crate) fn close(&self) {
+        self.closed.store(true, Ordering::SeqCst);
+    }
+
     fn ended(&self, name: &str, ending: &SessionEnd) {
         let stored = self.stored(name, ending);
         let mut inner = self.lock();
@@ -376,6 +405,10 @@ impl Registry {
 
     /// What the data folder has of a session that goes on later.
     fn stored(&self, name: &str, ending: &SessionEnd) -> Option<Listed> {
+        if self.closed.load(Ordering::SeqCst) {
+            // The transport has ended, and the journal may have: nobody asks any more.
+            return None;
+        }
         let journal = self.services.journal.as_ref()?;
         // In a fleet it goes on where it is asked for.
         let stays = ending.is_interruption() && self.services.fleet.is_none();

@@ -15,7 +15,7 @@ use crate::convert::mesh::{self as convert, MeshUse};
 use crate::convert::scene::{self, SceneRequest};
 use crate::convert::surface;
 use crate::door::access::{Caller, Owners};
-use crate::fault::Fault;
+use crate::fault::{Fault, UploadKind};
 use crate::journal::{Change, Journal, JournalError, StoredMesh};
 use crate::session::Services;
 use crate::uploads::store::{Account, Lease, Reservation, Store};
@@ -90,18 +90,17 @@ pub(crate) async fn check_uploads(
     Ok(())
 }
 
-/// Takes the predicted memory with one result, less what another session has
+/// Takes the memory that is predicted for a first step, with one result, less what another session has
 /// prepared, and keeps that from being dropped.
 pub(crate) fn reserve(
     store: &Arc<Store>,
     planned: &Planned,
     (own_bytes, account): (u64, Account),
 ) -> Result<Taken, Fault> {
-    let report = planned.plan.report();
     let prepared = store.hold_prepared(&planned.plan.key());
     let there = prepared.as_ref().map_or(0, |lease| lease.value().bytes());
     let result = result_bytes(planned);
-    let predicted = report.predicted_bytes.saturating_sub(there);
+    let predicted = planned.plan.first_bytes().saturating_sub(there);
     let bytes = predicted.saturating_add(result + own_bytes);
     let reservation = store.reserve_for(account, bytes)?;
     Ok(Taken {
@@ -125,12 +124,38 @@ pub(crate) async fn mesh(services: &Arc<Services>, id: MeshId) -> Result<Lease<M
         let Some(owners) = owners(&journal, id)? else {
             return Err(missing);
         };
+        let wrong = |why: &str| damaged(&services, UploadKind::Mesh, (&convert::name(id), why));
         match journal.read_mesh(id).map_err(unwritable)? {
-            Some(bytes) => read_mesh(&services.store, id, &bytes, owners),
-            None => Err(missing),
+            Some(bytes) => {
+                let mesh = checked(&services.store, id, &bytes)?;
+                let mesh = mesh.map_err(|why| wrong(&why))?;
+                journal.have_mesh(id, &bytes);
+                drop(services.store.reserve(mesh.bytes())?);
+                Ok(services.store.insert_mesh(mesh, owners))
+            }
+            // Deleted meanwhile, or gone.
+            None if journal
+                .mesh(&convert::name(id))
+                .map_err(unwritable)?
+                .is_none() =>
+            {
+                Err(missing)
+            }
+            None => Err(wrong("its file is gone")),
         }
     })
     .await?
+}
+
+/// Tells of an upload that is not as it was written, and counts it.
+pub(crate) fn damaged(services: &Services, kind: UploadKind, (name, why): (&str, &str)) -> Fault {
+    services.metrics.damaged(kind.name());
+    tracing::error!(name, why, "an upload in the data folder is damaged");
+    Fault::UploadDamaged {
+        kind,
+        name: name.to_owned(),
+        why: why.to_owned(),
+    }
 }
 
 /// As [`mesh`], of one that may not be there.
@@ -139,7 +164,7 @@ pub(crate) async fn known_mesh(
     id: MeshId,
 ) -> Result<Option<Lease<Mesh>>, Fault> {
     match mesh(services, id).await {
-        Err(Fault::MeshNotFound(_)) => Ok(None),
+        Err(Fault::MeshNotFound(_) | Fault::UploadDamaged { .. }) => Ok(None),
         found => found.map(Some),
     }
 }
@@ -168,24 +193,17 @@ fn owners(journal: &Journal, id: MeshId) -> Result<Option<Owners>, Fault> {
         .map_err(|owner| Fault::Unwritable(format!("`{name}` has the owner \"{owner}\"")))
 }
 
-/// A mesh out of its file, taken into memory.
-fn read_mesh(
-    store: &Arc<Store>,
-    id: MeshId,
-    bytes: &[u8],
-    owners: Owners,
-) -> Result<Lease<Mesh>, Fault> {
-    let reservation = store.reserve(2 * bytes.len() as u64)?;
-    let mesh = convert::from_file(bytes)?;
-    if mesh.id() != id {
-        let name = convert::name(id);
-        return Err(Fault::MeshInvalid(format!(
-            "the file of `{name}` holds another mesh"
-        )));
-    }
-    drop(reservation);
-    drop(store.reserve(mesh.bytes())?);
-    Ok(store.insert_mesh(mesh, owners))
+/// A mesh out of its file, or what is wrong with that.
+///
+/// # Errors
+/// `MemoryBudget`.
+fn checked(store: &Arc<Store>, id: MeshId, bytes: &[u8]) -> Result<Result<Mesh, String>, Fault> {
+    let _reservation = store.reserve(2 * bytes.len() as u64)?;
+    Ok(match convert::from_file(bytes) {
+        Ok(mesh) if mesh.id() == id => Ok(mesh),
+        Ok(_) => Err("its file holds another mesh".to_owned()),
+        Err(why) => Err(why.to_string()),
+    })
 }
 
 /// Tells the journal of a mesh whose file is on the disk, and whom it belongs to.

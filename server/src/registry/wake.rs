@@ -39,7 +39,8 @@ pub(crate) async fn spec(services: &Arc<Services>, name: &str) -> Result<Session
         client: client.unwrap_or(ClientIdentity::Unknown),
         most: u64::MAX,
     };
-    let recovered = Recovered::new(name, stored)?;
+    let recovered = Recovered::new(name, stored);
+    let recovered = recovered.inspect_err(|_| services.metrics.damaged("session"))?;
     let kept = Arc::new(scene.clone());
     let planned = planning::plan(services, scene).await?;
     let plan_report = report::plan(planned.plan.report());
@@ -82,6 +83,8 @@ async fn load(services: &Arc<Services>, name: &str) -> Result<Stored, Fault> {
     let loaded = aside(move || journal.load(&wanted)).await?;
     let found = loaded.map_err(|error| match error {
         JournalError::Damaged(why) => {
+            services.metrics.damaged("session");
+            tracing::error!(name, why, "a session in the data folder is damaged");
             let name = name.to_owned();
             Fault::SessionDamaged { name, why }
         }

@@ -85,6 +85,16 @@ impl KeptResult {
         self.field_bytes() + self.report_bytes()
     }
 
+    /// Its fields, if it is the result of that event.
+    pub(crate) fn fields_at(&self, event: i64) -> Vec<KeptField> {
+        let is_meant = self.event == event;
+        if is_meant {
+            self.fields.clone()
+        } else {
+            Vec::new()
+        }
+    }
+
     fn report_bytes(&self) -> u64 {
         self.report.bytes() + OVERHEAD_BYTES
     }

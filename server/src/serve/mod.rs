@@ -37,12 +37,15 @@ use crate::door::calls::{CountCalls, Methods};
 use crate::door::gates::{GateMessages, Gates, WINDOW_BYTES};
 use crate::door::layer::CallLayer;
 use crate::door::listen::{ListenError, Listener, Socket};
+use crate::door::open_calls::BoundOpenCalls;
 use crate::door::request_id::IdentifyCalls;
 use crate::door::transport::GiveReasons;
+use crate::door::untaken::WatchAnswers;
 use crate::fleet::Fleet;
-use crate::journal::{Journal, JournalError};
+use crate::journal::{Journal, JournalError, Presence};
 use crate::process::hangup::Hangups;
 use crate::process::limits::MESSAGE_BYTES;
+use crate::process::users;
 use crate::registry::Registry;
 use crate::service::mesh::Meshes;
 use crate::service::session::Sessions;
@@ -59,14 +62,25 @@ use upkeep::Page;
 type Layers = Stack<
     CallLayer<GateMessages>,
     Stack<
-        CallLayer<Authorize>,
-        Stack<CallLayer<CountCalls>, Stack<CallLayer<IdentifyCalls>, Identity>>,
+        CallLayer<BoundOpenCalls>,
+        Stack<
+            CallLayer<Authorize>,
+            Stack<
+                CallLayer<CountCalls>,
+                Stack<CallLayer<IdentifyCalls>, Stack<CallLayer<WatchAnswers>, Identity>>,
+            >,
+        >,
     >,
 >;
 
 const CONNECTION_WINDOW_BYTES: u32 = 4 << 20;
-/// Of one connection: a gateway may bring every watcher of a busy server.
-const STREAMS_PER_CONNECTION: u32 = 4096;
+/// Of one connection. A gateway that brings every watcher of a busy server opens more connections;
+/// a call that is refused costs some 1.4 kB until its answer is taken: 4096 of each of 74
+/// connections took 440 MB.
+const STREAMS_PER_CONNECTION: u32 = 1024;
+/// Of one connection, for frames that HTTP/2 forbids: each costs as much as a call, and does not
+/// count among those that are open.
+const RESETS_PER_CONNECTION: usize = 256;
 const KEEPALIVE: Duration = Duration::from_secs(30);
 const KEEPALIVE_ANSWER: Duration = Duration::from_secs(10);
 /// Name in gRPC health that says SERVING as long as the process answers, also in shutdown.
@@ -116,6 +130,20 @@ pub fn check(config: &Config) -> Result<(), ServeError> {
     Ok(Listener::check(config)?)
 }
 
+/// What an operator should mend, though a server starts with it: files with secrets that others
+/// may read, users that nothing tells apart.
+pub fn doubts(config: &Config) -> Vec<String> {
+    let mut doubts = access::loose(config);
+    let asks_nobody = !config.is_private() && config.token_file().is_none();
+    if asks_nobody && !users::are_told_apart() {
+        let alike = "this user namespace does not tell the users of the machine apart: they are one \
+                     client, with one share and one set of limits; `tokens` gives each a name, or \
+                     run without `PrivateUsers=yes`, or not in a rootless container";
+        doubts.push(alike.to_owned());
+    }
+    doubts
+}
+
 /// Serves on `listener` until `shutdown` completes; then drains and returns.
 ///
 /// # Errors
@@ -146,6 +174,9 @@ pub async fn serve_and_tell(
     let registry = Registry::new(&services)?;
     let (health, router) = router(&services, &registry, &access).await?;
     log_start(&services, &listener);
+    for doubt in doubts(&services.config) {
+        tracing::warn!("{doubt}");
+    }
     ready(listener.url());
     let page = Page {
         metrics: Arc::clone(&services.metrics),
@@ -157,7 +188,13 @@ pub async fn serve_and_tell(
     let mut helpers = upkeep::start(page, &services, &registry, listener.metrics);
     helpers.push(tokio::spawn(Arc::clone(&registry).keep_leases()));
     helpers.push(tokio::spawn(Arc::clone(&registry).grant_wishes()));
-    helpers.push(tokio::spawn(access::watch_files(access.clone(), hangups)));
+    let watch = upkeep::watch_folder(Arc::clone(&services), health.clone());
+    helpers.push(tokio::spawn(watch));
+    helpers.push(tokio::spawn(access::watch_files(
+        access.clone(),
+        hangups,
+        Arc::clone(&services.metrics),
+    )));
     let (stop, stopped) = oneshot::channel();
     let door = Door::new(&services.config, &services.metrics);
     let incoming = (listener.socket, access.certificates());
@@ -187,6 +224,7 @@ pub async fn serve_and_tell(
     let left = end.saturating_duration_since(Instant::now());
     let ended = tokio::time::timeout(LAST_CALL.min(left / 2), &mut server).await;
     abort(&helpers);
+    registry.close();
     close(&services, end).await;
     match ended {
         Ok(ended) => joined(ended),
@@ -222,7 +260,7 @@ async fn services(config: Config, url: &str) -> Result<Arc<Services>, ServeError
     let solvers = SolverThreads::start(config.slots(), &metrics).map_err(ServeError::Threads)?;
     // Asked once: with a limit of the address space it is less with every thread.
     let budget = config.budget();
-    let gates = Gates::new(budget, &metrics);
+    let gates = Gates::new(budget, config.request_time(), &metrics);
     let journal = match config.data.as_str() {
         "" => None,
         folder => {
@@ -232,6 +270,9 @@ async fn services(config: Config, url: &str) -> Result<Arc<Services>, ServeError
             ))
         }
     };
+    let presence = journal
+        .as_ref()
+        .map(|_| Arc::new(Presence::of(Path::new(&config.data))));
     let joined = Fleet::join(&config, url, journal.as_ref(), &metrics).await;
     let fleet = joined.map_err(|why| ServeError::Setup {
         what: "the fleet",
@@ -241,6 +282,7 @@ async fn services(config: Config, url: &str) -> Result<Arc<Services>, ServeError
         fleet,
         gates: gates.map_err(|error| setup("the descriptors", &error))?,
         journal,
+        presence,
         store: Store::new(budget, &metrics),
         surfaces: Surfaces::default(),
         traces: Traces::start(&config.otlp_endpoint).map_err(|why| ServeError::Setup {
@@ -303,6 +345,7 @@ async fn router(
     );
     let reasoned = CallLayer(GiveReasons(Arc::clone(&services.metrics)));
     let router = Server::builder()
+        .layer(CallLayer(WatchAnswers))
         .layer(CallLayer(IdentifyCalls))
         .layer(CallLayer(CountCalls(Arc::new(methods))))
         .layer(CallLayer(Authorize {
@@ -312,10 +355,12 @@ async fn router(
             )),
             metrics: Arc::clone(&services.metrics),
         }))
+        .layer(CallLayer(BoundOpenCalls::new(&services.metrics)))
         .layer(CallLayer(GateMessages(Arc::clone(&services.gates.decode))))
         .initial_stream_window_size(WINDOW_BYTES)
         .initial_connection_window_size(CONNECTION_WINDOW_BYTES)
         .max_concurrent_streams(STREAMS_PER_CONNECTION)
+        .http2_max_local_error_reset_streams(Some(RESETS_PER_CONNECTION))
         .http2_keepalive_interval(Some(KEEPALIVE))
         .http2_keepalive_timeout(Some(KEEPALIVE_ANSWER))
         .add_optional_service(health_service)

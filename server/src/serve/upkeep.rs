@@ -6,8 +6,11 @@ use std::time::Duration;
 use hyper::StatusCode;
 use hyper::http::request::Parts;
 use tokio::task::JoinHandle;
+use tonic_health::ServingStatus;
+use tonic_health::server::HealthReporter;
 
 use super::live::LivePage;
+use super::set_health;
 use crate::config::Config;
 use crate::data::control;
 use crate::journal::Journal;
@@ -17,6 +20,8 @@ use crate::watch::metrics::Metrics;
 use crate::watch::page::{self, Answer, Answers};
 
 const UPKEEP: Duration = Duration::from_secs(5);
+/// How often the data folder is looked for.
+const LOOK: Duration = Duration::from_secs(3);
 /// How often the data folder is looked through for results that shall go.
 const TRIM: Duration = Duration::from_secs(60);
 
@@ -34,6 +39,7 @@ pub(crate) fn start(
         loop {
             ticks.tick().await;
             metrics.upkeep();
+            metrics.tell_lines_left_out();
             registry.expire_asleep().await;
         }
     });
@@ -67,6 +73,53 @@ async fn trim(journal: Arc<Journal>, config: Config) {
     }
 }
 
+/// Looks from time to time whether the data folder is still there and can be written; where not
+/// the server says so to probes.
+pub(super) async fn watch_folder(services: Arc<Services>, health: HealthReporter) {
+    let (Some(journal), Some(presence)) = (services.journal.clone(), services.presence.clone())
+    else {
+        return;
+    };
+    let mut ticks = tokio::time::interval(LOOK);
+    let mut was_ready = true;
+    loop {
+        ticks.tick().await;
+        let (journal, presence) = (Arc::clone(&journal), Arc::clone(&presence));
+        let looked = tokio::task::spawn_blocking(move || {
+            journal.disk().look();
+            presence.look()
+        });
+        let Ok(change) = looked.await else {
+            continue;
+        };
+        if let Some(is_gone) = change {
+            tell_of_folder(&services, is_gone);
+        }
+        let is_ready = services.check_ready().is_ok();
+        if is_ready != was_ready {
+            let status = match is_ready {
+                true => ServingStatus::Serving,
+                false => ServingStatus::NotServing,
+            };
+            set_health(&health, status).await;
+        }
+        was_ready = is_ready;
+    }
+}
+
+fn tell_of_folder(services: &Services, is_gone: bool) {
+    services.metrics.data_folder_gone(is_gone);
+    let folder = services.config.data.as_str();
+    if is_gone {
+        tracing::error!(
+            folder,
+            "the data folder was deleted or moved: nothing is taken"
+        );
+    } else {
+        tracing::warn!(folder, "the data folder is back");
+    }
+}
+
 /// The page of a server.
 #[derive(Clone)]
 pub(crate) struct Page {
@@ -95,7 +148,7 @@ impl Answers for Page {
 
 impl Page {
     fn health(&self) -> (StatusCode, String) {
-        match self.registry.check_open() {
+        match self.registry.check_ready() {
             Ok(()) => (StatusCode::OK, "ok\n".to_owned()),
             Err(fault) => (StatusCode::SERVICE_UNAVAILABLE, format!("{fault}\n")),
         }
@@ -106,7 +159,7 @@ impl Page {
             "Signorini {}\n\n\
              /live     sessions, what runs, memory, for a browser\n\
              /metrics  for Prometheus\n\
-             /healthz  200 while the server takes work, 503 while it shuts down\n\
+             /healthz  200 while the server takes work, 503 while it shuts down or nothing can be written\n\
              /livez    200 while it answers at all\n\n\
              The service itself speaks gRPC at {}.\n",
             env!("CARGO_PKG_VERSION"),

@@ -23,10 +23,11 @@ const IDLE: Duration = Duration::from_secs(60);
 pub(super) async fn export(
     handle: Handle,
 ) -> Result<impl Iterator<Item = wire::ExportStateResponse> + Send, Fault> {
-    let state = handle.export().await?;
+    let saved = handle.export().await?;
     let all = State {
         scene: handle.scene().encode_to_vec().into(),
-        state: state.into(),
+        state: saved.state,
+        since: saved.since,
     };
     let bytes = Bytes::from(all.to_bytes());
     let digest = states::digest(&bytes);

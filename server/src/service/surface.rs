@@ -129,6 +129,8 @@ impl SurfaceDoor {
         let mut upload = Upload::new(header)?;
         if let Some(digest) = &upload.digest
             && let Ok(found) = tools::described(&self.services, digest, caller).await
+            // One whose file is damaged is mended by what comes.
+            && tools::surface(&self.services, digest).await.is_ok()
         {
             caller.note(&found.name);
             return Ok(answer(found, true));

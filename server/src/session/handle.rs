@@ -13,6 +13,7 @@ use crate::convert::field::Encoding;
 use crate::convert::step::Update;
 use crate::door::client_key::ClientKey;
 use crate::fault::Fault;
+use crate::journal::StoredSave;
 use crate::results::iterations::IterationReader;
 use crate::results::kept::KeptResult;
 use crate::results::outbox::Outbox;
@@ -31,12 +32,20 @@ pub(crate) struct OpenRequest {
     pub(crate) role: Role,
 }
 
+/// What the end of a stream means for the step that runs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OnDisconnect {
+    pub(crate) policy: wire::DisconnectPolicy,
+    /// For another stream to come before the step is cancelled.
+    pub(crate) grace: Duration,
+}
+
 /// What a stream may do.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Role {
     Writer {
         client: ClientKey,
-        on_disconnect: wire::DisconnectPolicy,
+        on_disconnect: OnDisconnect,
         /// Of the whole stream and of what it asks for.
         deadline: Option<Instant>,
     },
@@ -88,7 +97,7 @@ pub(crate) enum Command {
     Handled(oneshot::Sender<()>),
     Read(ReadRequest, oneshot::Sender<Result<ReadAnswer, Fault>>),
     /// The state between two steps, when there is one.
-    Export(oneshot::Sender<Result<Vec<u8>, Fault>>),
+    Export(oneshot::Sender<Result<StoredSave, Fault>>),
     /// Keeps it; the number of the kept one and its bytes.
     Save(oneshot::Sender<Result<(i64, u64), Fault>>),
     /// Puts a kept one in its place.
@@ -178,7 +187,7 @@ impl Handle {
     }
 
     /// The state between two steps, on disk where there is a data folder.
-    pub(crate) async fn export(&self) -> Result<Vec<u8>, Fault> {
+    pub(crate) async fn export(&self) -> Result<StoredSave, Fault> {
         self.ask(Command::Export).await?
     }
 

@@ -10,6 +10,8 @@ mod actor;
 mod clock;
 mod glance;
 mod handle;
+mod ledger;
+mod path;
 mod queue;
 mod recovered;
 mod replay;
@@ -30,7 +32,7 @@ use crate::door::client_key::{ClientIdentity, ClientKey};
 use crate::door::gates::Gates;
 use crate::fault::Fault;
 use crate::fleet::{self, Fleet};
-use crate::journal::{Journal, JournalError};
+use crate::journal::{Journal, JournalError, Presence};
 use crate::uploads::store::{Account, Lease, Reservation, Store};
 use crate::uploads::surfaces::Surfaces;
 use crate::watch::metrics::Metrics;
@@ -39,7 +41,9 @@ use crate::watch::traces::Traces;
 pub(crate) use glance::{Glance, Latest, Runs};
 pub(crate) use recovered::Recovered;
 
-pub(crate) use handle::{Attachment, Command, Handle, OpenRequest, ReadRequest, Role};
+pub(crate) use handle::{
+    Attachment, Command, Handle, OnDisconnect, OpenRequest, ReadRequest, Role,
+};
 
 /// What every session of a server shares.
 pub(crate) struct Services {
@@ -59,6 +63,8 @@ pub(crate) struct Services {
     pub(crate) traces: Traces,
     /// The data folder, if there is one.
     pub(crate) journal: Option<Arc<Journal>>,
+    /// Whether that folder is still there.
+    pub(crate) presence: Option<Arc<Presence>>,
     /// Other servers that sessions may go on at.
     pub(crate) fleet: Option<Arc<Fleet>>,
 }
@@ -77,6 +83,29 @@ impl Services {
             owner: String::new(),
         };
         fleet.lease(name).ok_or_else(elsewhere).map(Some)
+    }
+
+    /// Refuses what would be lost because the data folder is no longer where it was.
+    ///
+    /// # Errors
+    /// `Unwritable`.
+    pub(crate) fn check_data(&self) -> Result<(), Fault> {
+        let lost = self.presence.as_ref().and_then(|presence| presence.lost());
+        lost.map_or(Ok(()), |why| Err(Fault::Unwritable(why)))
+    }
+
+    /// Whether probes shall send work here. Not asked of work itself, as [`Services::check_data`] is:
+    /// only a try shows whether a disk still refuses to be written.
+    ///
+    /// # Errors
+    /// `Unwritable`.
+    pub(crate) fn check_ready(&self) -> Result<(), Fault> {
+        self.check_data()?;
+        let refusal = self
+            .journal
+            .as_ref()
+            .and_then(|journal| journal.disk().refusal());
+        refusal.map_or(Ok(()), |why| Err(Fault::Unwritable(why)))
     }
 
     /// What counts for a client, and how much of it there may be.

@@ -7,6 +7,7 @@ use std::time::Duration;
 use bytes::Bytes;
 use signorini::report::{CancelToken, StepReport, Termination};
 use signorini::scene::Step;
+use signorini_proto::v1 as wire;
 use tokio::sync::mpsc;
 use tokio::task::AbortHandle;
 use tokio::time::Instant;
@@ -19,6 +20,10 @@ use crate::watch::traces::UpdateTrace;
 /// A step that was told to stop and has not after this time is answered without
 /// its solver thread.
 const PATIENCE: Duration = Duration::from_millis(150);
+
+/// A step that was answered so counts as left behind when its solver thread has still not stopped
+/// after this time: a factorisation or a hierarchy that ends soon troubles nobody.
+const STUCK: Duration = Duration::from_secs(5);
 
 /// How often the time of a step that waits for a slot is looked at.
 const SHORTEST_LOOK: Duration = Duration::from_millis(50);
@@ -166,9 +171,13 @@ impl Accepted {
         }
     }
 
-    /// Whether the newest result, which ended so, is the last of this step.
-    pub(super) fn is_last(&self, termination: Termination) -> bool {
-        termination != Termination::Converged || self.results >= self.step.increments
+    /// Whether `newest`, which ended so, is the last result of this step: all increments are done,
+    /// one has failed, or a fluid is about to leak.
+    pub(super) fn is_last(&self, newest: &wire::StepReport, termination: Termination) -> bool {
+        let leaks = |fluid: &wire::FluidResult| fluid.tightness() == wire::Tightness::Leaks;
+        termination != Termination::Converged
+            || self.results >= self.step.increments
+            || newest.fluids.values().any(leaks)
     }
 }
 
@@ -180,6 +189,12 @@ impl Drop for Accepted {
             clock.abort();
         }
     }
+}
+
+/// Tells later whether a step that is left behind at that sequence still is.
+pub(super) fn look_again(sequence: i64, events: &mpsc::UnboundedSender<Event>) {
+    // Not aborted: the step has ended for its client.
+    let _look = post_after(STUCK, events, Event::Stuck(sequence));
 }
 
 fn post_after(time: Duration, events: &mpsc::UnboundedSender<Event>, event: Event) -> AbortHandle {
@@ -197,8 +212,6 @@ fn post_after(time: Duration, events: &mpsc::UnboundedSender<Event>, event: Even
 pub(super) struct UpdateQueue {
     waiting: VecDeque<Accepted>,
     last_accepted: i64,
-    /// The last update that an earlier server accepted.
-    last_resumed: i64,
 }
 
 impl UpdateQueue {
@@ -214,35 +227,15 @@ impl UpdateQueue {
         self.waiting.is_empty()
     }
 
-    /// Unfinished updates that count against the limit in flight. Those that an earlier
-    /// server accepted do not: it may have shown their results, which are made again.
-    pub(super) fn in_flight(&self) -> usize {
-        let resumed = self
-            .waiting
-            .partition_point(|accepted| accepted.sequence <= self.last_resumed);
-        self.waiting.len() - resumed
-    }
-
     /// The updates up to `sequence` are finished already.
     pub(super) fn resume_after(&mut self, sequence: i64) {
         self.last_accepted = sequence;
-    }
-
-    /// All updates so far were accepted by an earlier server.
-    pub(super) fn end_resumption(&mut self) {
-        self.last_resumed = self.last_accepted;
     }
 
     /// The largest sequence that is accepted for good: the disk has it.
     pub(super) fn durably_accepted(&self, durable: u64) -> i64 {
         let waits = self.waiting.iter().find(|one| one.mark > durable);
         waits.map_or(self.last_accepted, |one| one.sequence - 1)
-    }
-
-    /// Results that are still to come, at most.
-    pub(super) fn results_to_come(&self) -> i64 {
-        let left = |one: &Accepted| i64::from(one.step.increments.saturating_sub(one.results));
-        self.waiting.iter().map(left).sum()
     }
 
     /// Appends the next update and returns it.

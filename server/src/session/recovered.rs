@@ -1,12 +1,12 @@
 //! What the journal knows of a session, in the terms of sessions.
 
-use prost::Message as _;
-use signorini_proto::v1::{self as wire, solve_request};
-
+use super::replay::{self, ReplayStep};
 use crate::convert::field::{self, KeptField};
-use crate::convert::step::{self, Update};
+use crate::convert::step::Update;
 use crate::fault::Fault;
-use crate::journal::{Stored, StoredCheckpoint, StoredField, StoredFields, StoredResult};
+use crate::journal::{
+    Stored, StoredCheckpoint, StoredField, StoredFields, StoredResult, StoredSave,
+};
 use crate::results::kept::{KeptReport, KeptResult};
 
 /// A session that goes on.
@@ -17,23 +17,33 @@ pub(crate) struct Recovered {
     pub(super) results: Vec<KeptResult>,
     /// Where the state comes from; the beginning without one.
     pub(crate) checkpoint: Option<StoredCheckpoint>,
+    /// What was done on that state before it was the checkpoint's.
+    pub(super) since: Vec<ReplayStep>,
     /// States to go back to, by number.
-    pub(super) saves: Vec<(i64, bytes::Bytes)>,
+    pub(super) saves: Vec<(i64, StoredSave)>,
 }
 
 impl Recovered {
     /// The beginning of a session that goes on from the state of another one.
-    pub(crate) fn at(state: bytes::Bytes) -> Self {
+    ///
+    /// # Errors
+    /// `StateInvalid` for what no session exports.
+    pub(crate) fn at(exported: StoredSave) -> Result<Self, Fault> {
+        let since = ReplayStep::all_again(&exported.since);
+        let wrong = || Fault::StateInvalid("what was done on the state cannot be read".to_owned());
+        let since = since.ok_or_else(wrong)?;
         let checkpoint = StoredCheckpoint {
-            state,
+            state: exported.state,
+            since: exported.since,
             ..StoredCheckpoint::default()
         };
-        Self {
+        Ok(Self {
             updates: Vec::new(),
             results: Vec::new(),
             checkpoint: Some(checkpoint),
+            since,
             saves: Vec::new(),
-        }
+        })
     }
 
     /// Reads what was stored of the session `name`.
@@ -47,7 +57,7 @@ impl Recovered {
         };
         let mut updates = Vec::with_capacity(stored.updates.len());
         for (_, update) in stored.updates {
-            let read = read_update(&update.encoded).ok_or_else(|| damaged("an update"))?;
+            let read = replay::read_update(&update.encoded).ok_or_else(|| damaged("an update"))?;
             updates.push((read, update.cancelled));
         }
         let mut results = Vec::with_capacity(stored.results.len());
@@ -55,27 +65,20 @@ impl Recovered {
             let read = read_result(event, result, fields);
             results.push(read.ok_or_else(|| damaged("a result"))?);
         }
+        let checkpoint = stored.checkpoint;
+        let since = checkpoint.as_ref().map_or(&[][..], |one| &one.since);
+        let since = ReplayStep::all_again(since).ok_or_else(|| damaged("a checkpoint"))?;
+        for (_, save) in &stored.saves {
+            ReplayStep::all_again(&save.since).ok_or_else(|| damaged("a saved state"))?;
+        }
         Ok(Self {
             updates,
             results,
-            checkpoint: stored.checkpoint,
-            saves: (stored.saves.into_iter())
-                .map(|(number, save)| (number, save.state))
-                .collect(),
+            checkpoint,
+            since,
+            saves: stored.saves,
         })
     }
-}
-
-fn read_update(encoded: &bytes::Bytes) -> Option<Update> {
-    let request = wire::SolveRequest::decode(encoded.clone()).ok()?;
-    match request.message? {
-        solve_request::Message::LoadStep(update) => step::load_step(&update, encoded.clone()),
-        solve_request::Message::ObstacleUpdate(update) => {
-            step::obstacle_update(update, encoded.clone())
-        }
-        solve_request::Message::Open(_) | solve_request::Message::Cancel(_) => return None,
-    }
-    .ok()
 }
 
 fn read_result(event: i64, result: StoredResult, fields: StoredFields) -> Option<KeptResult> {

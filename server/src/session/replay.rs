@@ -1,6 +1,8 @@
 //! The way back to a state: from a checkpoint, or the beginning, through the updates
 //! that were accepted since, with the same bits as the first time.
 //!
+//! Every result that was sent is in the journal, so a replay makes none again: it compares.
+//!
 //! A checkpoint makes the solver forget what it has learnt, on which later bits depend.
 //! So where one is due follows from what increments took, by counts that are the same in
 //! every run: a replay is where the first run was. A session without a journal forgets at the
@@ -9,81 +11,22 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use bytes::Bytes;
+use prost::Message as _;
 use signorini::mesh::Mesh;
 use signorini::plan::Plan;
 use signorini::prepare::Prepared;
-use signorini::report::{CancelToken, Silent, StepReport, Termination};
-use signorini::scene::{SceneError, Step};
+use signorini::report::{CancelToken, Silent, StepReport};
+use signorini::scene::SceneError;
 use signorini::{CheckpointError, Reuse, Rounding, Session, StepRun};
-use signorini_proto::v1 as wire;
+use signorini_proto::v1::{self as wire, solve_request};
 
+use super::ledger::{Cost, Ledger, MOST_RESULTS};
+use super::path::{Passage, Path};
+use crate::convert::field::KeptField;
 use crate::convert::report;
-use crate::journal::StoredCheckpoint;
-
-/// What a replay may cost: about three quarters of a second on one core of 2020.
-const MOST_COST: f64 = 1.5e7;
-/// What a quadratic program costs beside its Krylov iterations, in applications of
-/// the preconditioner.
-const PROGRAM_COST: f64 = 20.0;
-/// Results after a checkpoint, at most: those that a replay needs are kept.
-const MOST_RESULTS: usize = 1024;
-
-/// What doing an increment again would take: unknowns times passes over them.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Cost(f64);
-
-impl Cost {
-    /// By counts alone, so that it is the same in every run.
-    pub(super) fn of(report: &StepReport) -> Self {
-        let applications = f64::from(report.preconditioner_applications);
-        let programs = f64::from(report.sqp_iterations);
-        let unknowns = report.unknowns.displacement as f64;
-        Self(unknowns * (applications + PROGRAM_COST * programs))
-    }
-}
-
-/// What a replay would have to do again.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ledger {
-    cost: f64,
-    results: usize,
-    most_results: usize,
-}
-
-impl Ledger {
-    /// Nothing yet, for a session that keeps so many results.
-    pub(super) fn new(retained_results: usize) -> Self {
-        Self {
-            cost: 0.0,
-            results: 0,
-            most_results: retained_results.min(MOST_RESULTS),
-        }
-    }
-
-    /// Whether a checkpoint is due after an increment.
-    pub(super) fn is_due(&self, next: &Cost, termination: Termination) -> bool {
-        match termination {
-            // How far it came before its time was up, no replay finds again.
-            Termination::DeadlineExceeded => true,
-            // No replay repeats it.
-            Termination::Cancelled | Termination::InternalError => false,
-            Termination::Converged | Termination::NotConverged => {
-                self.cost + next.0 > MOST_COST || self.results + 1 >= self.most_results
-            }
-        }
-    }
-
-    /// Counts a result, with a checkpoint after it or not; one that was stopped takes
-    /// nothing.
-    pub(super) fn count(&mut self, cost: Cost, is_checkpoint: bool) {
-        if is_checkpoint {
-            *self = Self::new(self.most_results)
-        } else {
-            self.cost += cost.0;
-            self.results += 1;
-        }
-    }
-}
+use crate::convert::step::{self as steps, Update};
+use crate::journal::{StoredCheckpoint, StoredSave, StoredWork};
 
 /// What a session stands on.
 pub(super) struct Ground {
@@ -116,23 +59,72 @@ pub(super) enum ReplayError {
     Refused { sequence: i64, why: SceneError },
     #[error("update {0} ends in another way when it is replayed")]
     Differs(i64),
+    #[error("what was done on the state cannot be read")]
+    Unreadable,
+}
+
+impl ReplayError {
+    /// Whether something came out otherwise than in the first run.
+    pub(super) fn is_difference(&self) -> bool {
+        match self {
+            Self::Refused { .. } | Self::Differs(_) => true,
+            Self::State(_) | Self::Unreadable => false,
+        }
+    }
+}
+
+/// A result of the first run, as the journal has it.
+pub(super) struct Known {
+    pub(super) event: i64,
+    pub(super) report: wire::StepReport,
+    /// Its fields, where they are compared.
+    pub(super) fields: Vec<KeptField>,
 }
 
 /// An update to do again.
 pub(super) struct ReplayStep {
-    pub(super) sequence: i64,
-    pub(super) step: Step,
-    /// Increments that the checkpoint has already.
+    pub(super) update: Update,
+    /// Increments that the state has already.
     pub(super) before: u32,
-    /// Results after the checkpoint, with their events.
-    pub(super) results: Vec<(i64, wire::StepReport)>,
-    /// Whether the last of them ended the update.
+    /// Increments after those.
+    pub(super) done: u32,
+    /// Whether it was stopped then.
+    pub(super) is_stopped: bool,
+    /// What the increments are compared with; empty where nothing is known of them.
+    pub(super) known: Vec<Known>,
+    /// Whether it is over.
     pub(super) is_finished: bool,
+}
+
+impl ReplayStep {
+    /// From what is saved or exported; none where that cannot be read.
+    pub(super) fn again(work: &StoredWork) -> Option<Self> {
+        Some(Self {
+            update: read_update(&work.encoded)?,
+            before: work.before,
+            done: work.done,
+            is_stopped: work.stopped,
+            known: Vec::new(),
+            is_finished: true,
+        })
+    }
+
+    /// All of a saved path, if no part of it is unreadable or longer than any that is saved.
+    pub(super) fn all_again(since: &[StoredWork]) -> Option<Vec<Self>> {
+        let increments: u64 = since.iter().map(|work| u64::from(work.done)).sum();
+        let is_short = increments <= MOST_RESULTS as u64 && since.len() <= MOST_RESULTS;
+        let steps = since.iter().filter(|_| is_short).map(Self::again);
+        let steps: Option<Vec<Self>> = steps.collect();
+        steps.filter(|_| is_short)
+    }
 }
 
 /// What an earlier server did in a session.
 pub(super) struct Replay {
     pub(super) checkpoint: Option<StoredCheckpoint>,
+    /// Up to the state of the checkpoint.
+    pub(super) since: Vec<ReplayStep>,
+    /// After it.
     pub(super) steps: Vec<ReplayStep>,
     pub(super) ledger: Ledger,
     pub(super) cancel: CancelToken,
@@ -143,13 +135,15 @@ pub(super) struct Replay {
 pub(super) struct Replayed {
     pub(super) increments: u32,
     pub(super) seconds: f64,
-    /// Results that differ from those of the first run.
-    pub(super) differing: u32,
+    /// Events of the results that differ from those of the first run.
+    pub(super) differing: Vec<i64>,
     pub(super) ledger: Option<Ledger>,
     /// Another instruction set wrote the checkpoint.
     pub(super) is_foreign: bool,
     /// The newest state that was due for the journal.
     pub(super) checkpoint: Option<StoredCheckpoint>,
+    /// How the state came about.
+    pub(super) path: Path,
 }
 
 /// The report under the number of its update: the library counts the steps that
@@ -173,14 +167,13 @@ impl Replay {
             Some(checkpoint) => ground.import(&checkpoint.state)?,
             None => (ground.session(), false),
         };
-        let mut way = Way {
-            replayed: Replayed {
-                ledger: Some(self.ledger),
-                is_foreign,
-                ..Replayed::default()
-            },
-            cancel: self.cancel,
-        };
+        let mut way = Way::new(
+            self.checkpoint.map(|one| one.state),
+            self.ledger,
+            self.cancel,
+        );
+        way.replayed.is_foreign = is_foreign;
+        way.again(&mut session, &self.since)?;
         let mut run = None;
         for step in &self.steps {
             run = way.step(&mut session, step)?;
@@ -191,34 +184,62 @@ impl Replay {
     }
 }
 
+/// Leads a session of the same plan to a saved state; what a replay from there would have to do.
+/// After an error the session is anywhere.
+pub(super) fn redo(
+    session: &mut Session,
+    save: &StoredSave,
+    ledger: Ledger,
+) -> Result<Ledger, ReplayError> {
+    let steps = ReplayStep::all_again(&save.since).ok_or(ReplayError::Unreadable)?;
+    session.restore(&save.state)?;
+    let mut way = Way::new(None, ledger, CancelToken::new());
+    way.again(session, &steps)?;
+    Ok(way.replayed.ledger.unwrap_or(ledger))
+}
+
 struct Way {
     replayed: Replayed,
     cancel: CancelToken,
 }
 
 impl Way {
+    fn new(state: Option<Bytes>, ledger: Ledger, cancel: CancelToken) -> Self {
+        let replayed = Replayed {
+            ledger: Some(ledger),
+            path: state.map(Path::at).unwrap_or_default(),
+            ..Replayed::default()
+        };
+        Self { replayed, cancel }
+    }
+
+    /// Does all of a saved path.
+    fn again(&mut self, session: &mut Session, since: &[ReplayStep]) -> Result<(), ReplayError> {
+        for step in since {
+            self.step(session, step)?;
+        }
+        self.replayed.path.close();
+        Ok(())
+    }
+
     /// Does one update as far as it came; its rest, if there is one.
     fn step(
         &mut self,
         session: &mut Session,
         step: &ReplayStep,
     ) -> Result<Option<StepRun>, ReplayError> {
-        let stopped = step.results.last().filter(|(_, last)| is_stopped(last));
-        let again = step.results.len() - usize::from(stopped.is_some());
         let mut run = None;
         // One that was stopped before it began may never have been checked.
-        if step.before > 0 || again > 0 {
+        if step.before > 0 || step.done > 0 {
             let mut begun = begin(session, step)?;
-            for (event, first) in step.results.iter().take(again) {
-                self.increment(session, &mut begun, (step, *event), first)?;
+            for place in 0..step.done {
+                self.increment(session, &mut begun, (step, place))?;
             }
             run = Some(begun);
         }
-        if stopped.is_some() {
+        if step.is_stopped {
             session.stop();
-            if let Some(ledger) = &mut self.replayed.ledger {
-                ledger.count(Cost::default(), false);
-            }
+            self.count(Cost::default(), (step, step.done), Passage::Stopped);
         }
         Ok(run.filter(|_| !step.is_finished))
     }
@@ -227,55 +248,126 @@ impl Way {
         &mut self,
         session: &mut Session,
         run: &mut StepRun,
-        (step, event): (&ReplayStep, i64),
-        first: &wire::StepReport,
+        (step, place): (&ReplayStep, u32),
     ) -> Result<(), ReplayError> {
-        let differs = || ReplayError::Differs(step.sequence);
+        let differs = || ReplayError::Differs(step.update.sequence);
         let done = session.advance(run, &mut Silent, &self.cancel);
         let done = done.ok_or_else(differs)?;
         let (cost, termination) = (Cost::of(&done), done.termination);
-        let number = u32::try_from(step.sequence).unwrap_or(u32::MAX);
-        let again = report::step(numbered(done, number), session.obstacle_poses());
-        if again.termination != first.termination {
-            return Err(differs());
-        }
         self.replayed.increments += 1;
-        self.replayed.differing += u32::from(bare(again) != bare(first.clone()));
-        let due = self
-            .replayed
-            .ledger
-            .map(|one| one.is_due(&cost, termination));
-        if due == Some(true) {
-            let is_last = step.is_finished && step.results.last().is_some_and(|one| one.0 == event);
-            self.replayed.checkpoint = Some(StoredCheckpoint {
-                event,
-                sequence: step.sequence,
-                done: if is_last { 0 } else { run.done() },
-                state: session.export().into(),
-            });
-        }
-        if let Some(ledger) = &mut self.replayed.ledger {
-            ledger.count(cost, due == Some(true));
+        let known = step.known.get(place as usize);
+        let Some(known) = known else {
+            let is_endless = self.replayed.ledger.is_some_and(|one| one.is_endless());
+            self.count(cost, (step, place), Passage::Done);
+            return if is_endless { Err(differs()) } else { Ok(()) };
+        };
+        self.compare(session, (step, known), done)?;
+        let ledger = self.replayed.ledger;
+        if ledger.is_some_and(|one| one.is_due(&cost, termination)) {
+            self.checkpoint(session, (step, known), run.done());
+        } else {
+            self.count(cost, (step, place), Passage::Done);
         }
         Ok(())
     }
+
+    /// Compares an increment with that of the first run.
+    fn compare(
+        &mut self,
+        session: &mut Session,
+        (step, known): (&ReplayStep, &Known),
+        done: StepReport,
+    ) -> Result<(), ReplayError> {
+        let sequence = step.update.sequence;
+        let number = u32::try_from(sequence).unwrap_or(u32::MAX);
+        let again = report::step(numbered(done, number), session.obstacle_poses());
+        if again.termination != known.report.termination {
+            return Err(ReplayError::Differs(sequence));
+        }
+        let is_same = bare(again) == bare(known.report.clone()) && has_fields(session, known);
+        if !is_same {
+            self.replayed.differing.push(known.event);
+        }
+        Ok(())
+    }
+
+    /// Writes the state that was due after an increment.
+    fn checkpoint(
+        &mut self,
+        session: &mut Session,
+        (step, known): (&ReplayStep, &Known),
+        done: u32,
+    ) {
+        let newest = step.known.last().map(|one| one.event);
+        let is_last = step.is_finished && !step.is_stopped && newest == Some(known.event);
+        let state = Bytes::from(session.export());
+        self.replayed.path = Path::at(state.clone());
+        self.replayed.checkpoint = Some(StoredCheckpoint {
+            event: known.event,
+            sequence: step.update.sequence,
+            done: if is_last { 0 } else { done },
+            state,
+            since: Vec::new(),
+        });
+        if let Some(ledger) = &mut self.replayed.ledger {
+            ledger.count(Cost::default(), true);
+        }
+    }
+
+    /// Counts what was done, as the first run did.
+    fn count(&mut self, cost: Cost, (step, place): (&ReplayStep, u32), passage: Passage) {
+        if let Some(ledger) = &mut self.replayed.ledger {
+            ledger.count(cost, false);
+        }
+        let update = (step.update.sequence, &step.update.encoded);
+        let path = &mut self.replayed.path;
+        path.count(update, step.before + place, passage);
+    }
+}
+
+/// Whether the state has the fields of the first run, where these are compared.
+fn has_fields(session: &mut Session, known: &Known) -> bool {
+    if !known.fields.is_empty() {
+        session.complete();
+    }
+    let mut fields = known.fields.iter();
+    fields.all(|first| {
+        session
+            .field(first.name)
+            .map(|one| KeptField::new(&one))
+            .as_ref()
+            == Some(first)
+    })
+}
+
+/// The update of a request; none where it cannot be read.
+pub(super) fn read_update(encoded: &Bytes) -> Option<Update> {
+    let request = wire::SolveRequest::decode(encoded.clone()).ok()?;
+    match request.message? {
+        solve_request::Message::LoadStep(update) => steps::load_step(&update, encoded.clone()),
+        solve_request::Message::ObstacleUpdate(update) => {
+            steps::obstacle_update(update, encoded.clone())
+        }
+        solve_request::Message::Open(_) | solve_request::Message::Cancel(_) => return None,
+    }
+    .ok()
 }
 
 /// Begins an update, or goes on with one from the middle.
 fn begin(session: &mut Session, step: &ReplayStep) -> Result<StepRun, ReplayError> {
-    let sequence = step.sequence;
+    let (sequence, load) = (step.update.sequence, &step.update.step);
     match step.before {
         0 => session
-            .begin_step(&step.step)
+            .begin_step(load)
             .map_err(|why| ReplayError::Refused { sequence, why }),
         done => session
-            .resume_step(step.step.increments, done)
+            .resume_step(load.increments, done)
             .ok_or(ReplayError::Differs(sequence)),
     }
 }
 
 /// Whether an increment was stopped: a replay ends before it.
-fn is_stopped(report: &wire::StepReport) -> bool {
+pub(super) fn is_stopped(report: &wire::StepReport) -> bool {
     match report.termination() {
         wire::Termination::Cancelled
         | wire::Termination::DeadlineExceeded
@@ -296,6 +388,9 @@ fn bare(report: wire::StepReport) -> wire::StepReport {
         factorisations: 0,
         eigenvalue_applications: 0,
         compliance_columns: 0,
+        // Rounded from the number of the step that the solver counts, which leaves out one that
+        // was stopped before its first increment.
+        time: 0.0,
         ..report
     }
 }

@@ -11,10 +11,11 @@ use signorini::report::{
     CancelToken, FieldName, IterationRecord, Observer, StepReport, Termination,
 };
 use signorini::scene::{SceneError, Step};
-use signorini::{ObstaclePose, Session, StepRun};
+use signorini::{ObstaclePose, Session, Snapshot, StepRun};
 
 use super::clock::SlotClock;
-use super::replay::{Cost, Ledger, numbered};
+use super::ledger::{Cost, Ledger};
+use super::replay::numbered;
 use crate::compute::{Panicked, Slot, said};
 use crate::convert::field::KeptField;
 use crate::convert::report;
@@ -53,8 +54,19 @@ impl Work {
     }
 }
 
-/// The state, and what a solver thread made of it: its bytes.
-pub(super) type Exported = (Box<Work>, Result<Bytes, Fault>);
+/// The state, and what a solver thread did with it.
+pub(super) type Exported = (Box<Work>, Result<Sight, Fault>);
+
+/// What was seen of a state, or of the saved one that has taken its place.
+#[derive(Default)]
+pub(super) struct Sight {
+    /// The state at rest, where the path to this one begins there.
+    pub(super) start: Option<Bytes>,
+    /// A copy, where one is kept.
+    pub(super) copy: Option<Arc<Snapshot>>,
+    /// What a replay would have to do again, of a saved one.
+    pub(super) ledger: Option<Ledger>,
+}
 
 /// A session's state between its actor and a solver thread; whoever takes it
 /// first has it.
@@ -93,6 +105,24 @@ pub(super) struct Task {
     pub(super) is_kept: bool,
 }
 
+/// How far a session is from the response of its body, which takes memory of its own.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ResponseProgress {
+    /// Steps begun, those before an import included.
+    pub(super) steps: u32,
+    /// It is there and counted, or does not fit.
+    pub(super) is_tried: bool,
+}
+
+impl ResponseProgress {
+    fn of(session: &Session) -> Self {
+        Self {
+            steps: session.steps(),
+            is_tried: session.has_tried_response(),
+        }
+    }
+}
+
 /// One increment done.
 pub(super) struct Increment {
     pub(super) report: StepReport,
@@ -101,6 +131,7 @@ pub(super) struct Increment {
     pub(super) asked: Option<Vec<FieldName>>,
     pub(super) fields: Vec<KeptField>,
     pub(super) state_bytes: u64,
+    pub(super) response: ResponseProgress,
     /// What doing it again would take.
     pub(super) cost: Cost,
     /// Where a checkpoint was due.
@@ -111,9 +142,9 @@ pub(super) struct Increment {
 /// same bits.
 pub(super) enum Checkpoint {
     /// The state, for the journal.
-    Written(Vec<u8>),
+    Written(Bytes),
     /// There is no journal: results shall not depend on that.
-    Passed,
+    Passed(Bytes),
 }
 
 /// How a task ended.
@@ -137,7 +168,9 @@ pub(super) enum Event {
     Ceiling(i64),
     /// This sequence was told to stop long enough ago.
     OutOfPatience(i64),
-    /// The state as bytes, with the session that goes on without what it had learnt.
+    /// This sequence was left behind long enough ago.
+    Stuck(i64),
+    /// The state was looked at, or another one is in its place.
     Exported(Result<Exported, Panicked>),
     /// The disk has the changes up to this one, or will not get it.
     Journalled(u64, Result<(), JournalError>),
@@ -203,6 +236,7 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         fields: gather(&work.session, asked.as_deref().unwrap_or_default()),
         asked,
         state_bytes: work.session.bytes(),
+        response: ResponseProgress::of(&work.session),
         cost,
         checkpoint,
     }
@@ -210,10 +244,10 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
 
 fn checkpoint(session: &mut Session, task: &Task) -> Checkpoint {
     if task.is_kept {
-        Checkpoint::Written(session.export())
+        Checkpoint::Written(session.export().into())
     } else {
         session.forget();
-        Checkpoint::Passed
+        Checkpoint::Passed(session.to_bytes().into())
     }
 }
 
@@ -227,9 +261,7 @@ fn without(mut report: StepReport, paused: f64) -> StepReport {
 }
 
 fn is_due(report: &StepReport, task: &Task) -> bool {
-    let last = report.increment >= task.step.increments;
-    last || report.termination != Termination::Converged
-        || report.increment.is_multiple_of(task.every)
+    report.ends_step(task.step.increments) || report.increment.is_multiple_of(task.every)
 }
 
 fn gather(session: &Session, wanted: &[FieldName]) -> Vec<KeptField> {

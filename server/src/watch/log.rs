@@ -110,13 +110,24 @@ fn write_field(writer: &mut Writer<'_>, field: &Field, value: &dyn fmt::Debug) -
     write!(Escaped(writer), "{value:?}")
 }
 
-/// Writes control characters as escapes.
+/// Whether a character moves a cursor, breaks a line, turns the direction of writing or is not seen
+/// at all: control and format characters of Unicode, and its separators of lines and paragraphs.
+/// Text of others that has one is written with an escape in its place.
+pub fn is_unprintable(character: char) -> bool {
+    character.is_control()
+        || matches!(character,
+            '\u{ad}' | '\u{600}'..='\u{605}' | '\u{61c}' | '\u{6dd}' | '\u{70f}' | '\u{180e}'
+            | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}'
+            | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
+}
+
+/// Writes unprintable characters as escapes.
 struct Escaped<W>(W);
 
 impl<W: fmt::Write> fmt::Write for Escaped<W> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for character in text.chars() {
-            if character.is_control() {
+            if is_unprintable(character) {
                 write!(self.0, "{}", character.escape_default())?
             } else {
                 self.0.write_char(character)?
@@ -135,5 +146,12 @@ mod tests {
         let mut line = String::new();
         write!(Escaped(&mut line), "a\nb\u{1b}[31m \u{9b}c \u{e9} \"d\"").unwrap();
         assert_eq!(line, "a\\nb\\u{1b}[31m \\u{9b}c \u{e9} \"d\"");
+        line.clear();
+        write!(
+            Escaped(&mut line),
+            "a\u{2028}b\u{200b}c\u{202e}d\u{feff}e\u{301}"
+        )
+        .unwrap();
+        assert_eq!(line, "a\\u{2028}b\\u{200b}c\\u{202e}d\\u{feff}e\u{301}");
     }
 }

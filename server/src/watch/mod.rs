@@ -4,6 +4,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | `metrics` | every metric, with its name, buckets and text |
+//! | `lines` | how many lines of the log refusals may write |
 //! | `page` | plain HTTP for Prometheus and probes |
 //! | `live` | a page of what runs just now, for a browser |
 //! | `log` | lines on stderr, for people or as JSON |
@@ -11,6 +12,7 @@
 //! | `doctor` | processor, memory, descriptors, loopback, clock and disk |
 
 pub(crate) mod doctor;
+pub(crate) mod lines;
 pub(crate) mod live;
 pub(crate) mod log;
 pub(crate) mod metrics;

@@ -81,10 +81,11 @@ impl Client {
         last_seen_event: Option<i64>,
         rng: &mut Rng,
     ) -> Self {
-        let request = wire::SolveOpen {
+        let mut request = wire::SolveOpen {
             last_seen_event,
             fields: vec![1; rng.usize(..2)],
             on_disconnect: rng.i32(0..=2),
+            disconnect_grace: common::duration(rng.i64(1..50)).filter(|_| rng.bool()),
             ..open(session)
         };
         loop {
@@ -97,6 +98,11 @@ impl Client {
                     return Self::reading(session, sender, inbound, next);
                 }
                 Ok(other) => panic!("{other:?} before `opened`"),
+                // What nobody has seen is no place to go on from.
+                Err(status) if common::reason(&status) == "EVENT_NOT_FOUND" => {
+                    assert!(request.last_seen_event > Some(journal.last_seen()));
+                    request.last_seen_event = Some(journal.last_seen());
+                }
                 Err(status) => assert_eq!(common::reason(&status), "SESSION_BUSY"),
             }
         }

@@ -151,3 +151,22 @@ async fn calls_of_one_client_beyond_its_rate_are_told_to_come_again() {
     let answered = tokio::time::timeout(std::time::Duration::from_secs(20), answered).await;
     answered.unwrap();
 }
+
+#[tokio::test]
+async fn sessions_are_counted_by_user_over_all_connections() {
+    let few = Config {
+        maximum_client_sessions: 2,
+        ..Config::embedded()
+    };
+    let (server, block) = (Server::with(few).await, Block::new(1));
+    server.upload(&block).await;
+    let first = create(&server, &block).await.unwrap();
+    let other = Server::beside(&server.url).await;
+    create(&other, &block).await.unwrap();
+    for one in [&server, &other] {
+        asks_to_come_again(&create(one, &block).await.unwrap_err(), "SESSION_LIMIT");
+    }
+    let request = wire::DeleteSessionRequest { name: first };
+    server.sessions().delete_session(request).await.unwrap();
+    create(&other, &block).await.unwrap();
+}

@@ -293,3 +293,32 @@ async fn predicted_memory_above_the_budget_is_refused_with_numbers() {
     assert_eq!(metadata["budget_bytes"], (1 << 20).to_string());
     assert!(metadata["predicted_bytes"].parse::<u64>().unwrap() > 1 << 20);
 }
+
+#[tokio::test]
+async fn a_session_counts_what_later_steps_take_when_they_come() {
+    let (server, block) = (Server::start().await, Block::new(6));
+    server.upload(&block).await;
+    let request = wire::CreateSessionRequest {
+        scene: Some(block.scene()),
+        ..Default::default()
+    };
+    let made = server.sessions().create_session(request).await.unwrap();
+    let session = made.into_inner().session.unwrap();
+    let predicted = session.plan.unwrap().predicted_bytes;
+    let held = async || server.describe(&session.name).await.memory_bytes;
+    let mut stream = server.open(open(&session.name)).await;
+    for sequence in 1..=3 {
+        stream.press(sequence, 0.002 * sequence as f64).await;
+        stream.result().await;
+        let held = held().await;
+        assert!(3 * held < predicted, "{held} of {predicted}");
+    }
+    // The response at the contact surface, which is kept from some step on.
+    let (before, mut sequence) = (held().await, 3);
+    while held().await < 2 * before {
+        sequence += 1;
+        assert!(sequence < 100);
+        stream.press(sequence, 0.01).await;
+        stream.result().await;
+    }
+}

@@ -224,6 +224,55 @@ async fn a_disconnect_cancels_only_where_the_session_says_so() {
 }
 
 #[tokio::test]
+async fn a_client_that_comes_back_in_its_grace_finds_its_step_going_on() {
+    let (server, session) = pressed(2, Config::embedded()).await;
+    let opening = |grace| wire::SolveOpen {
+        on_disconnect: wire::DisconnectPolicy::CancelStep.into(),
+        disconnect_grace: duration(grace),
+        ..open(&session)
+    };
+    let mut watcher = server.watch(watch(&session, wire::WatchEnd::Session)).await;
+    let mut stream = server.open(opening(20_000)).await;
+    stream.step(1, press(0.05, 1000)).await;
+    stream.result().await;
+    drop(stream);
+    // Another one drives it, and leaves for less.
+    let mut stream = server.open(opening(200)).await;
+    let first = stream.result().await;
+    assert_eq!(
+        first.report.unwrap().termination(),
+        wire::Termination::Converged
+    );
+    stream.step(2, press(0.04, 100_000)).await;
+    stream.step(3, press(0.03, 1)).await;
+    let mut finished = 0;
+    while finished < 1 {
+        let result = stream.result().await;
+        finished += i32::from(result.sequence == 1 && result.last);
+    }
+    stream.result().await;
+    drop(stream);
+    let ends: Vec<_> = [watcher.update().await, watcher.update().await]
+        .iter()
+        .map(|results| {
+            results
+                .last()
+                .unwrap()
+                .report
+                .as_ref()
+                .unwrap()
+                .termination()
+        })
+        .collect();
+    assert_eq!(
+        ends,
+        [wire::Termination::Converged, wire::Termination::Cancelled]
+    );
+    // The one behind it is dropped: its number is free.
+    assert_eq!(server.describe(&session).await.last_accepted_sequence, 2);
+}
+
+#[tokio::test]
 async fn a_stream_whose_deadline_passes_leaves_its_last_state() {
     let (server, session) = pressed(2, Config::embedded()).await;
     let (updates, outbound) = tokio::sync::mpsc::channel(4);
@@ -370,15 +419,12 @@ async fn room_for(block: &Block) -> u64 {
         .await
         .unwrap()
         .into_inner();
-    let request = wire::CreateSessionRequest {
-        scene: Some(block.scene()),
-        validate_only: true,
-        ..Default::default()
-    };
-    let planned = server.sessions().create_session(request).await.unwrap();
-    let predicted = planned.into_inner().plan.unwrap().predicted_bytes;
+    let name = server.session(block.scene()).await;
+    let session = server.describe(&name).await;
+    // What it shares is built or still to come: their sum is that of the prediction.
+    let held = session.memory_bytes + session.prepared_memory_bytes;
     // Scene and plan count too.
-    (predicted + mesh.mesh.unwrap().memory_bytes).unsigned_abs() + (16 << 10)
+    (held + mesh.mesh.unwrap().memory_bytes).unsigned_abs() + (16 << 10)
 }
 
 #[tokio::test]

@@ -172,11 +172,17 @@ async fn watch_health(server: &Server) -> tonic::Streaming<HealthCheckResponse> 
 
 #[tokio::test]
 async fn a_thousand_streams_share_one_connection() {
-    let server = Server::start().await;
+    let (server, block) = (Server::start().await, Block::new(1));
+    server.upload(&block).await;
+    let name = server.session(block.scene()).await;
     let open = async {
         let mut streams = Vec::new();
         for _ in 0..1000 {
-            streams.push(watch_health(&server).await);
+            let request = wire::WatchRequest {
+                name: name.clone(),
+                ..Default::default()
+            };
+            streams.push(server.watch(request).await);
         }
         streams
     };

@@ -70,7 +70,7 @@ impl<'a> Pressed<'a> {
     fn pressures(&self) -> [FollowerPressure<'_>; 1] {
         [FollowerPressure {
             facets: &self.facets,
-            pressure: PRESSURE,
+            pressure: PressureValues::Uniform(PRESSURE),
         }]
     }
 

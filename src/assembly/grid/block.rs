@@ -5,7 +5,7 @@ use crate::assembly::cells::{CellGeometry, CellModuli};
 use crate::assembly::kernel::{Batch, PRESSURE, edge_factor};
 use crate::assembly::lanes::{Lanes, WIDTH};
 use crate::assembly::simd::{self, InstructionSet};
-use crate::assembly::strain::{Curve, CurvedPass, Terms};
+use crate::assembly::strain::{Curve, PointPass, Terms};
 use crate::assembly::transpose::Row;
 use crate::linalg::{Held, HeldNode, Scalar};
 use crate::mesh::Mesh;
@@ -29,6 +29,8 @@ pub(in crate::assembly) struct Block<const V: usize, const D: usize, const E: us
     pub(super) batches: Vec<Batch<V, D, E>>,
     /// Curved edges of the last batches.
     pub(super) curves: Vec<Curve<V, D, E>>,
+    /// Radii of the vertices, batch by batch; empty where the body is not one of revolution.
+    pub(super) radii: Vec<Lanes>,
 }
 
 /// What the blocks of a mesh are made from.
@@ -78,6 +80,7 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
             vertices,
             edge_ends,
             curves: curves_of(cells, source.geometry),
+            radii: radii_of::<V>(cells, source.geometry),
             batches,
             nodes,
         }
@@ -86,25 +89,30 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
     pub(super) fn bytes(&self) -> usize {
         size_of::<Batch<V, D, E>>() * self.batches.len()
             + size_of::<Curve<V, D, E>>() * self.curves.len()
+            + size_of::<Lanes>() * self.radii.len()
             + 4 * (self.nodes.len() + self.edge_ends.len() + self.held.len())
     }
 
-    /// The batches without curved edges.
+    /// The batches whose gradients are linear: none with curved edges, and none about an axis.
     pub(super) fn straight(&self) -> &[Batch<V, D, E>] {
-        &self.batches[..self.batches.len() - self.curves.len()]
+        if self.radii.is_empty() {
+            &self.batches[..self.batches.len() - self.curves.len()]
+        } else {
+            &[]
+        }
     }
 
-    /// The products of the cells with curved edges, added to `y`.
-    pub(super) fn add_curved(
+    /// The products of the other batches, point by point, added to `y`.
+    pub(super) fn add_by_points(
         &self,
         (set, terms): (InstructionSet, Terms),
         x: &[Row],
         y: &mut [Row],
     ) {
-        let straight = self.straight().len();
-        let pass = CurvedPass {
-            batches: &self.batches[straight..],
+        let pass = PointPass {
+            batches: &self.batches[self.straight().len()..],
             curves: &self.curves,
+            radii: &self.radii,
             x,
             y,
         };
@@ -203,6 +211,19 @@ fn curves_of<const V: usize, const D: usize, const E: usize>(
     } else {
         Vec::new()
     }
+}
+
+/// Radii of the vertices of `cells`, batch by batch; missing lanes repeat the last cell.
+fn radii_of<const V: usize>(cells: &[u32], geometry: &CellGeometry) -> Vec<Lanes> {
+    let (radii, _) = geometry.corner_radii.as_chunks::<V>();
+    if radii.is_empty() {
+        return Vec::new();
+    }
+    let of_batch = |cells: &[u32]| -> [Lanes; V] {
+        let cell = |lane: usize| cells[lane.min(cells.len() - 1)] as usize;
+        std::array::from_fn(|a| Lanes(std::array::from_fn(|lane| radii[cell(lane)][a])))
+    };
+    cells.chunks(WIDTH).flat_map(of_batch).collect()
 }
 
 /// Local node and component of the held entries of a block.

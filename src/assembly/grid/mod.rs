@@ -14,6 +14,7 @@ use crate::parallel::{self, Pieces};
 use std::sync::Arc;
 
 use super::kernel::{Batch, PRESSURE};
+use super::lanes::Lanes;
 use super::partition::blocks_of_cells;
 use super::simd::{self, InstructionSet};
 use super::strain::{Curve, Terms};
@@ -169,6 +170,11 @@ impl Grid {
         either!(self, grid => grid.saddle((u, p), (y, r), work));
     }
 
+    /// Whether the cells are sections of a body of revolution about x = 0.
+    pub fn is_about_axis(&self) -> bool {
+        either!(self, grid => grid.blocks.iter().any(|block| !block.radii.is_empty()))
+    }
+
     /// The kernels that run here.
     pub fn instruction_set(&self) -> InstructionSet {
         either!(self, grid => grid.instructions)
@@ -268,7 +274,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 match volume {
                     VolumeTerm::Own => {
                         simd::stiffness(self.instructions, block.straight(), x, y);
-                        block.add_curved((self.instructions, Terms::Saddle), x, y);
+                        block.add_by_points((self.instructions, Terms::Saddle), x, y);
                     }
                     VolumeTerm::Augmented => {
                         simd::augmented_stiffness(self.instructions, &block.batches, x, y);
@@ -292,7 +298,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
             |block, p_rows| block.gather_pressure(p, p_rows),
             |_, block, p, y| {
                 simd::divergence_transposed(self.instructions, block.straight(), p, y);
-                block.add_curved((self.instructions, Terms::Pressure), p, y);
+                block.add_by_points((self.instructions, Terms::Pressure), p, y);
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
             |local| {
@@ -311,7 +317,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
             },
             |_, block, x, r| {
                 simd::divergence(self.instructions, block.straight(), x, r);
-                block.add_curved((self.instructions, Terms::Saddle), x, r);
+                block.add_by_points((self.instructions, Terms::Saddle), x, r);
             },
             |local| self.copies.sum::<1, f64>(local, r, set_pressure),
         );
@@ -323,7 +329,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
             |block, p_rows| block.gather_pressure(p, p_rows),
             |_, block, p, y| {
                 simd::divergence_transposed(self.instructions, block.straight(), p, y);
-                block.add_curved((self.instructions, Terms::Pressure), p, y);
+                block.add_by_points((self.instructions, Terms::Pressure), p, y);
                 block.finish_result(Basis::Hierarchical, rows, y);
             },
             |local| self.copies.sum::<D, f64>(local, y, set_displacement),
@@ -345,7 +351,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
             },
             |_, block, x, y| {
                 simd::saddle(self.instructions, block.straight(), x, y);
-                block.add_curved((self.instructions, Terms::Saddle), x, y);
+                block.add_by_points((self.instructions, Terms::Saddle), x, y);
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
             |local| {
@@ -358,6 +364,12 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
     /// Curved edges of the last batches of a block.
     pub(super) fn curves(&self, block: usize) -> &[Curve<V, D, E>] {
         &self.blocks[block].curves
+    }
+
+    /// Radii of the vertices of a block, batch by batch; empty where the body is not one of
+    /// revolution.
+    pub(super) fn radii(&self, block: usize) -> &[Lanes] {
+        &self.blocks[block].radii
     }
 
     /// Batches of a block.

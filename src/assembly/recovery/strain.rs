@@ -1,7 +1,8 @@
 //! The strain of a P2 displacement in a cell and the energy norm of a quadratic
 //! strain field.
 //!
-//! Strains are `[xx, yy, xy]` or `[xx, yy, zz, xy, yz, zx]`, tensor components.
+//! Strains are `[xx, yy, xy]` or `[xx, yy, zz, xy, yz, zx]`, tensor components; in their place a whole
+//! gradient may stand, row by row: as many numbers as the square of the dimension.
 //! eps(u_h) is linear in a straight cell: its values at the corners tell all. In a curved one they
 //! stand for it.
 
@@ -17,6 +18,13 @@ use crate::parallel;
 pub(super) struct NodeStrains<const V: usize, const E: usize, const S: usize> {
     corners: [[f64; S]; V],
     edges: [[f64; S]; E],
+}
+
+impl<const V: usize, const E: usize, const S: usize> NodeStrains<V, E, S> {
+    /// Corners, then edges.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = &[f64; S]> + Clone {
+        self.corners.iter().chain(&self.edges)
+    }
 }
 
 /// Row and column of each strain component.
@@ -73,8 +81,8 @@ impl<'a, const D: usize, const V: usize, const E: usize, const S: usize> Cells<'
         let curved = problem.geometry.curves.of(cell);
         let maps = curved.map(corner_maps::<V>);
         std::array::from_fn(|a| match &maps {
-            Some(maps) => symmetric_part(&on_curved(&corners[a], &maps[a])),
-            None => symmetric_part(&corners[a]),
+            Some(maps) => strain_of(&on_curved(&corners[a], &maps[a])),
+            None => strain_of(&corners[a]),
         })
     }
 
@@ -176,8 +184,12 @@ fn add_product<const D: usize>(
     }
 }
 
-fn symmetric_part<const D: usize, const S: usize>(gradient: &[[f64; D]; D]) -> [f64; S] {
+/// The strain of a gradient, or all of it.
+fn strain_of<const D: usize, const S: usize>(gradient: &[[f64; D]; D]) -> [f64; S] {
     std::array::from_fn(|s| {
+        if S == D * D {
+            return gradient[s / D][s % D];
+        }
         let (i, j) = place(D, s);
         0.5 * (gradient[i][j] + gradient[j][i])
     })
@@ -211,7 +223,7 @@ impl<const V: usize, const E: usize, const S: usize> EnergyForm<V, E, S> {
 
     /// Mean of 2 mu |e|^2 + lambda (tr e)^2 over the cell.
     pub(super) fn square(&self, strains: &NodeStrains<V, E, S>, shear: f64, lame: f64) -> f64 {
-        let nodes = strains.corners.iter().chain(&strains.edges);
+        let nodes = strains.nodes();
         let mut sum = 0.0;
         for (a, row) in nodes.clone().zip(&self.means) {
             let mut image = [0.0; S];
@@ -248,7 +260,7 @@ fn product<const V: usize, const S: usize>(
 }
 
 /// P2 Lagrange functions: corners, then edges.
-fn lagrange<const V: usize>(l: &[f64]) -> Vec<f64> {
+pub(super) fn lagrange<const V: usize>(l: &[f64]) -> Vec<f64> {
     let mut values = shape_values(l);
     for (value, l) in values.iter_mut().zip(&l[..V]) {
         *value = l * (2.0 * l - 1.0);

@@ -41,9 +41,10 @@ impl Split {
         };
         let (invariants, by_point) = match &rubber.isochoric {
             Isochoric::Invariants(law) => (*law, None),
-            law @ (Isochoric::Ogden(_) | Isochoric::Potential(_)) => {
-                (none, Some(Arc::new(law.clone())))
-            }
+            law @ (Isochoric::Ogden(_)
+            | Isochoric::Potential(_)
+            | Isochoric::Hyperfoam(_)
+            | Isochoric::Sheet(_)) => (none, Some(Arc::new(law.clone()))),
         };
         Self {
             invariants,
@@ -139,9 +140,6 @@ pub struct StrainGrid {
     /// Numbers of the tangent kept at each point; none for laws in invariants,
     /// which make it anew.
     tangents: usize,
-    /// Radii of the vertices of each block, batch by batch; empty where the body
-    /// is not one of revolution.
-    pub(super) radii: Arc<Vec<Vec<Lanes>>>,
     /// s.
     pub(super) penalty: f64,
 }
@@ -162,35 +160,11 @@ impl StrainGrid {
             laws: Arc::new(blocks.iter().map(of_block).collect()),
             grid,
             rule,
-            radii: Arc::default(),
             penalty: 0.0,
         }
     }
 
-    /// The same cells as sections of a body of revolution about x = 0; `scale`
-    /// multiplies the coordinates. Volumes of the grid are those of full turns.
-    #[must_use]
-    pub fn about_axis(self, mesh: &Mesh, scale: f64) -> Self {
-        let radius = |cell: u32, corner: usize| {
-            let vertex = mesh.cell(cell as usize)[corner] as usize;
-            (scale * mesh.coordinates()[vertex][0]).max(0.0)
-        };
-        let of_batch = |cells: &[u32]| {
-            let lane = |lane: usize| cells[lane.min(cells.len() - 1)];
-            let corners = 0..mesh.cell_kind().vertices();
-            let lanes = corners
-                .map(|corner| Lanes(std::array::from_fn(|index| radius(lane(index), corner))));
-            lanes.collect::<Vec<_>>()
-        };
-        let blocks = blocks_of_cells(mesh);
-        let of_block = |cells: &Vec<u32>| cells.chunks(WIDTH).flat_map(of_batch).collect();
-        Self {
-            radii: Arc::new(blocks.iter().map(of_block).collect()),
-            ..self
-        }
-    }
-
-    /// The same cells with another s; laws and radii are shared.
+    /// The same cells with another s; laws are shared.
     #[must_use]
     pub fn penalised(&self, penalty: f64) -> Self {
         Self {
@@ -223,16 +197,15 @@ impl StrainGrid {
     /// Bytes held beside the grid.
     pub fn bytes(&self) -> u64 {
         let batches: usize = self.laws.iter().map(Vec::len).sum();
-        let radii: usize = self.radii.iter().map(Vec::len).sum();
-        (batches * size_of::<BatchLaw>() + radii * size_of::<Lanes>()) as u64
+        (batches * size_of::<BatchLaw>()) as u64
     }
 
     /// Points that a stretch around the axis is kept at.
     pub(super) fn hoops(&self) -> usize {
-        if self.radii.is_empty() {
-            0
-        } else {
+        if self.grid.is_about_axis() {
             self.points()
+        } else {
+            0
         }
     }
 
@@ -342,7 +315,7 @@ impl<'a, const V: usize, const D: usize, const E: usize> Batches<'a, V, D, E> {
             laws: &cells.laws[block],
             rule: &cells.rule,
             stride: cells.stride(),
-            radii: cells.radii.get(block).map_or(&[], Vec::as_slice),
+            radii: grid.radii(block),
             hoops: cells.hoops(),
             penalty: cells.penalty,
         }
@@ -355,11 +328,7 @@ impl<'a, const V: usize, const D: usize, const E: usize> Batches<'a, V, D, E> {
         BatchCells {
             batch: &self.batches[index],
             rule: self.rule,
-            radii: if self.radii.is_empty() {
-                &[]
-            } else {
-                &self.radii[V * index..V * (index + 1)]
-            },
+            radii: (self.radii.get(V * index..V * (index + 1))).unwrap_or_default(),
             curve: index.checked_sub(straight).map(|place| &self.curves[place]),
         }
     }

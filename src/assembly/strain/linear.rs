@@ -1,11 +1,13 @@
-//! Cells of linear elasticity with curved edges:
+//! Cells of linear elasticity with curved edges and those about an axis, point by point:
 //!
 //! ```text
 //! A u + B^T p = int (2 mu eps + lambda div u I - p I) : grad v,   B u = -int q div u
 //! ```
 //!
-//! By the rule of degree 4, by which an even pressure has no force inside the body: cof F0 : grad u
-//! is cubic at most. Cost: 14 points a tetrahedron instead of 4, on the curved cells alone.
+//! with eps_33 = u_x / x about the axis x = 0 ([`super::ring`]). By the rule of degree 4, by which an
+//! even pressure has no force inside a curved body: cof F0 : grad u is cubic at most; about an axis
+//! strain times radius is, too, but for the strain around it, which is no polynomial. Cost: 14
+//! points a tetrahedron instead of 4, on the curved cells alone.
 
 use std::sync::LazyLock;
 
@@ -15,20 +17,20 @@ use super::bend::Curve;
 use super::kernel::{BatchCells, BatchRun, PointLaw, Site, store_volumes, vertex_pressures};
 use super::laws::{add_moments, interpolate};
 use crate::assembly::kernel::{Batch, Element};
-use crate::assembly::lanes::Pack;
+use crate::assembly::lanes::{Lanes, Pack};
 use crate::assembly::simd::{BatchPass, InstructionSet};
 use crate::assembly::transpose::{Row, Transpose};
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::geometry::tensor::{Number, Tensor, trace};
 
-/// Degree of the rule on curved cells: that of `lambda_j div u` times the measure, in space.
+/// Degree of the rule: that of `lambda_j div u` times the measure of a curved cell, in space.
 pub const CURVED_DEGREE: u32 = 4;
 
 static RULES: LazyLock<[Rule; 2]> = LazyLock::new(|| {
     [Simplex::Triangle, Simplex::Tetrahedron].map(|cell| rule(cell, CURVED_DEGREE))
 });
 
-/// Which products of curved cells.
+/// Which products.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::assembly) enum Terms {
     /// `(A u + B^T p, B u)`.
@@ -37,37 +39,40 @@ pub(in crate::assembly) enum Terms {
     Pressure,
 }
 
-/// Curved batches of a block, argument and result.
-pub(in crate::assembly) struct CurvedPass<'a, const V: usize, const D: usize, const E: usize> {
+/// Batches of a block that go by points, argument and result.
+pub(in crate::assembly) struct PointPass<'a, const V: usize, const D: usize, const E: usize> {
     /// Batches of straight cells.
     pub(in crate::assembly) batches: &'a [Batch<V, D, E>],
-    /// Their curved edges.
+    /// Curved edges of the last of them.
     pub(in crate::assembly) curves: &'a [Curve<V, D, E>],
+    /// Radii of their vertices, batch by batch, or empty.
+    pub(in crate::assembly) radii: &'a [Lanes],
     /// Nodal values of the block.
     pub(in crate::assembly) x: &'a [Row],
     /// Forces and volumes of the block, which are added to.
     pub(in crate::assembly) y: &'a mut [Row],
 }
 
-impl<const V: usize, const D: usize, const E: usize> CurvedPass<'_, V, D, E> {
+impl<const V: usize, const D: usize, const E: usize> PointPass<'_, V, D, E> {
     /// Adds the products to the result.
     pub(in crate::assembly) fn run(self, set: InstructionSet, terms: Terms) {
-        if !self.curves.is_empty() {
+        if !self.batches.is_empty() {
             set.run(Products(self, terms));
         }
     }
 }
 
-struct Products<'a, const V: usize, const D: usize, const E: usize>(CurvedPass<'a, V, D, E>, Terms);
+struct Products<'a, const V: usize, const D: usize, const E: usize>(PointPass<'a, V, D, E>, Terms);
 
 impl<const V: usize, const D: usize, const E: usize> BatchPass for Products<'_, V, D, E> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
         let Self(
-            CurvedPass {
+            PointPass {
                 batches,
                 curves,
+                radii,
                 x,
                 y,
             },
@@ -75,12 +80,13 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for Products<'_, 
         ) = self;
         let mut element = Element::zero();
         let zero = Pack::splat(simd, 0.0);
-        for (batch, curve) in batches.iter().zip(curves) {
+        let straight = batches.len() - curves.len();
+        for (index, batch) in batches.iter().enumerate() {
             let cells = BatchCells {
                 batch,
                 rule: &RULES[D - 2],
-                radii: &[],
-                curve: Some(curve),
+                radii: radii.get(V * index..V * (index + 1)).unwrap_or_default(),
+                curve: index.checked_sub(straight).map(|place| &curves[place]),
             };
             BatchRun {
                 simd,

@@ -49,7 +49,7 @@ pub(super) use bend::Curve;
 pub use cell_tangents::{CellStates, CellTangents};
 pub use cells::{CellLaws, Linearised, StrainGrid};
 pub use linear::CURVED_DEGREE;
-pub(super) use linear::{CurvedPass, Terms};
+pub(super) use linear::{PointPass, Terms};
 pub use operator::{TangentBody, TangentDivergence, TangentStiffness};
 pub use pass::Mixed;
 pub use products::TangentProducts;

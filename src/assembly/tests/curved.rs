@@ -200,7 +200,8 @@ fn forces_and_tangents_are_derivatives_of_the_energy() {
     let mut away = samples::rectangle_parts(4, 3);
     away.coordinates.iter_mut().for_each(|x| x[0] += 0.5);
     let plane = bent(away);
-    let turned = rubber(&plane, 4).about_axis(&plane.mesh, SCALE);
+    let plane = plane.about_axis();
+    let turned = rubber(&plane, 4);
     let kinds = samples_of_two_kinds();
     let bodies = kinds.iter().map(|sample| (sample, rubber(sample, 2)));
     for (sample, cells) in bodies.chain([(&plane, turned)]) {

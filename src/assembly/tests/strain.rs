@@ -41,33 +41,31 @@ struct Body {
 }
 
 fn bodies(degree: u32) -> Vec<Body> {
-    let bodies = samples().into_iter().map(|sample| {
-        let of_cell: Vec<u16> = (0..sample.mesh.cell_count() as u16)
-            .map(|cell| cell % 2)
-            .collect();
-        let laws = CellLaws {
-            laws: &LAWS,
-            of_cell: &of_cell,
-        };
-        let simplex = match sample.space.components {
-            2 => Simplex::Triangle,
-            _ => Simplex::Tetrahedron,
-        };
-        let grid = Arc::new(sample.grid.clone());
-        let cells = StrainGrid::new(&sample.mesh, grid, laws, rule(simplex, degree));
-        Body { sample, cells }
-    });
-    bodies.collect()
+    samples().into_iter().map(|one| body(one, degree)).collect()
+}
+
+fn body(sample: Sample, degree: u32) -> Body {
+    let of_cell: Vec<u16> = (0..sample.mesh.cell_count() as u16)
+        .map(|cell| cell % 2)
+        .collect();
+    let laws = CellLaws {
+        laws: &LAWS,
+        of_cell: &of_cell,
+    };
+    let simplex = match sample.space.components {
+        2 => Simplex::Triangle,
+        _ => Simplex::Tetrahedron,
+    };
+    let grid = Arc::new(sample.grid.clone());
+    let cells = StrainGrid::new(&sample.mesh, grid, laws, rule(simplex, degree));
+    Body { sample, cells }
 }
 
 /// The plane ones as sections of bodies of revolution.
 fn turned(degree: u32) -> impl Iterator<Item = Body> {
-    let plane = bodies(degree).into_iter();
-    let plane = plane.filter(|body| body.sample.space.components == 2);
-    plane.map(|body| Body {
-        cells: body.cells.about_axis(&body.sample.mesh, SCALE),
-        sample: body.sample,
-    })
+    let plane = samples().into_iter();
+    let plane = plane.filter(|sample| sample.space.components == 2);
+    plane.map(move |sample| body(sample.about_axis(), degree))
 }
 
 /// [`bodies`] and [`turned`] ones, with a penalty on volume changes and without.
@@ -184,7 +182,7 @@ fn the_force_without_pressure_is_the_slope_of_the_energy() {
 
 #[test]
 fn at_rest_the_tangent_is_that_of_linear_elasticity() {
-    for mut body in bodies(2) {
+    for mut body in bodies(2).into_iter().chain(turned(4)) {
         body.sample.moduli.shear = (0..body.sample.mesh.cell_count())
             .map(|cell| 1.0 + (cell % 2) as f64)
             .collect();
@@ -329,17 +327,8 @@ fn a_shift_along_the_axis_strains_nothing_and_one_across_it_does() {
 #[test]
 fn a_section_that_opens_along_its_radius_grows_like_its_rings() {
     // u_x = x / 4, u_y = 0: stretched by 5/4 along and around the radius.
-    for mut body in turned(4) {
-        body.sample.geometry = CellGeometry::about_axis(&body.sample.mesh, SCALE);
-        let sample = &body.sample;
-        let grid = Grid::new(GridSource {
-            mesh: &sample.mesh,
-            space: &sample.space,
-            geometry: &sample.geometry,
-            moduli: &sample.moduli,
-            held: &sample.held(),
-        });
-        let cells = body.cells.clone().on(Arc::new(grid));
+    for body in turned(4) {
+        let (sample, cells) = (&body.sample, &body.cells);
         let mut u = vec![0.0; sample.unknowns()];
         for (u, x) in u.chunks_exact_mut(2).zip(sample.mesh.coordinates()) {
             u[0] = 0.25 * SCALE * x[0];

@@ -1,6 +1,6 @@
 use super::*;
 use crate::geometry::rotation_matrix;
-use crate::geometry::tensor::{contract, volume_change};
+use crate::geometry::tensor::{contract, plus_unit, product, volume_change};
 use crate::material::{Deformation, InvariantLaw};
 
 const H: Tensor<f64> = [[0.3, -0.2, 0.3], [0.15, 0.2, -0.25], [-0.3, 0.1, -0.35]];

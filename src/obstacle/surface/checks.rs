@@ -55,7 +55,9 @@ pub enum SurfaceError {
         facet: usize,
     },
     /// An edge of one facet only.
-    #[error("facet {facet} has an open edge from vertex {from} to {to}: the surface is not closed")]
+    #[error(
+        "facet {facet} has an open edge from vertex {from} to {to}: the surface is not closed; where corners of a file differ by rounding, a larger `weld` of the shape makes them one vertex (1e-6 of the diagonal unless given)"
+    )]
     Open {
         /// Index of the facet.
         facet: usize,

@@ -20,12 +20,15 @@ pub(super) fn check(scene: &Scene, mesh: &Mesh, faults: &mut Faults) {
     let tractions = scene.tractions.iter().map(|one| &one.on);
     let pressures = scene.pressures.iter().map(|one| &one.on);
     let obstacles = scene.obstacles.iter().map(|one| &one.on);
+    let fluids = scene.fluids.iter();
+    let fluids = fluids.flat_map(|one| [&one.on, &one.from, &one.dry]);
     let lists = || {
         supports
             .clone()
             .chain(tractions.clone())
             .chain(pressures.clone())
             .chain(obstacles.clone())
+            .chain(fluids.clone())
     };
     let names: usize = lists().map(Vec::len).sum();
     if names > MOST_NAMES {

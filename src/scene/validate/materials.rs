@@ -173,17 +173,21 @@ pub(crate) fn flatten(scene: &Scene, materials: &mut [ResolvedMaterial], faults:
     }
     for (material, resolved) in scene.materials.iter().zip(materials) {
         let path = format!("material.{}", material.group);
-        if !matches!(material.model, MaterialModel::LinearElastic { .. }) {
-            let message = "`plane-stress` is served for linear elasticity; give `plane-strain`";
-            faults.unsupported(format!("{path}.model"), message);
+        if resolved.is_flow {
+            faults.add(format!("{path}.model"), "a flow is in plane strain");
             continue;
         }
         if formulation(&material.model) == Formulation::Mixed {
             let message = "a sheet has no pressure of its own: leave the formulation out";
             faults.add(format!("{path}.formulation"), message);
         }
-        resolved.law = resolved.law.of_a_sheet();
-        resolved.poisson_ratio = resolved.law.poisson_ratio();
+        match resolved.rubber.take() {
+            Some(rubber) => rubber::flatten(rubber, resolved),
+            None => {
+                resolved.law = resolved.law.of_a_sheet();
+                resolved.poisson_ratio = resolved.law.poisson_ratio();
+            }
+        }
     }
 }
 
@@ -239,7 +243,7 @@ pub(crate) fn mixed(
                 "all materials of a scene share one formulation, and another one is mixed";
             faults.unsupported(format!("{path}.formulation"), message);
         }
-        if !mixed || resolved.poisson_ratio >= LEAST_MIXED {
+        if !mixed || resolved.poisson_ratio >= LEAST_MIXED || resolved.is_foam() {
             continue;
         }
         match resolved.rubber {

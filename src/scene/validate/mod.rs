@@ -5,6 +5,9 @@
 
 mod bodies;
 mod extent;
+mod fluids;
+mod foams;
+mod goals;
 mod materials;
 mod names;
 mod obstacles;
@@ -21,14 +24,15 @@ mod support_load;
 mod surfaces;
 mod values;
 
-use super::{Obstacle, Scene, SceneError, SceneKind, Step, Violation};
+use super::{Obstacle, RubberModel, Scene, SceneError, SceneKind, Step, Violation};
+use crate::material::Isochoric;
 use crate::mesh::{CellKind, Mesh};
 
 pub(crate) use obstacles::build;
 pub(crate) use parabola::Parabola;
 pub(crate) use planes::rotates;
 pub(crate) use resolved::{
-    HeldPlane, ObliquePlane, Placed, Resolved, ResolvedMaterial, ResolvedObstacle,
+    HeldPlane, ObliquePlane, Placed, Resolved, ResolvedFluid, ResolvedMaterial, ResolvedObstacle,
     ResolvedPressure, ResolvedProbe, ResolvedSupport, ResolvedTraction,
 };
 pub(crate) use rigid_modes::parts;
@@ -58,6 +62,11 @@ impl Faults {
         });
     }
 
+    /// Whether no fault was found.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.violations.is_empty()
+    }
+
     /// Whether no further fault is taken, so that none needs to be worded.
     pub(crate) fn is_full(&self) -> bool {
         self.violations.len() >= MOST_FAULTS
@@ -85,6 +94,18 @@ impl Faults {
         }
     }
 
+    /// Adds a fault where a body has no shear stiffness at rest: it has no equilibrium to find. What
+    /// is not finite has its own message.
+    pub(crate) fn at_rest(&mut self, shear_modulus: f64, formula: &str, path: &str) {
+        let is_usable = shear_modulus > 0.0 && shear_modulus.is_finite();
+        if !is_usable && !shear_modulus.is_nan() {
+            let message = format!(
+                "the shear modulus at rest, {formula}, must be above zero and finite, not {shear_modulus}"
+            );
+            self.add(path, message);
+        }
+    }
+
     /// Adds a fault where `value`, that of the key `path`, is negative or not finite.
     pub(crate) fn not_negative(&mut self, path: &str, value: f64) {
         if !(value >= 0.0 && value.is_finite()) {
@@ -104,6 +125,31 @@ impl Faults {
     }
 }
 
+/// The law of a rubber without its volume, its constants checked.
+///
+/// # Errors
+/// [`SceneError::Invalid`] with every fault.
+pub(crate) fn isochoric(model: &RubberModel) -> Result<Isochoric, SceneError> {
+    let mut faults = Faults::default();
+    let law = rubber::law(model, "material", &mut faults);
+    faults.result().map(|()| law)
+}
+
+/// The laws of a scene whose rest has been checked.
+///
+/// # Errors
+/// [`SceneError`] with the path of every constant that has no meaning.
+pub(crate) fn laws(scene: &Scene, mesh: &Mesh) -> Result<Vec<ResolvedMaterial>, SceneError> {
+    let mut faults = Faults::default();
+    let kind = kind(scene, mesh, &mut faults);
+    let (mut materials, _) = materials::resolve(scene, mesh, &mut faults);
+    if kind == SceneKind::PlaneStress {
+        materials::flatten(scene, &mut materials, &mut faults);
+    }
+    materials::mixed(scene, &mut materials, &mut faults);
+    faults.result().map(|()| materials)
+}
+
 /// Checks everything and resolves names. Obstacles are left to [`build`], which needs
 /// the reference length.
 pub(crate) fn resolve<'a>(
@@ -117,9 +163,8 @@ pub(crate) fn resolve<'a>(
         return Err(SceneError::Invalid(faults.violations));
     }
     let kind = kind(scene, mesh, &mut faults);
-    if let Some(scale) = scene.mesh_scale {
-        faults.above_zero("mesh_scale", scale);
-    }
+    let scale = scene.mesh_scale.unwrap_or(1.0);
+    faults.above_zero("mesh_scale", scale);
     let (mut materials, cell_material) = materials::resolve(scene, mesh, &mut faults);
     if kind == SceneKind::PlaneStress {
         materials::flatten(scene, &mut materials, &mut faults);
@@ -131,6 +176,7 @@ pub(crate) fn resolve<'a>(
     let supports = profiles::resolve(supports, (steps, mesh), &mut faults);
     let tractions = surfaces::tractions(scene, mesh, &mut faults);
     let pressures = surfaces::pressures(scene, mesh, &mut faults);
+    let fluids = fluids::resolve(scene, mesh, &mut faults);
     let obstacles = obstacles::resolve(scene, mesh, &mut faults);
     obstacles::refuse_held_faces(mesh, &supports, &obstacles, &mut faults);
     let manufactured = bodies::manufactured(scene, mesh, &mut faults);
@@ -138,6 +184,7 @@ pub(crate) fn resolve<'a>(
     let body_force_values = values::of_body(scene, mesh, &mut faults);
     bodies::refuse_values(scene, &mut faults);
     let probes = bodies::probes(scene, mesh, &mut faults);
+    goals::check(scene, &mut faults);
     let formulated = solver::Formulated {
         mixed,
         incompressible: materials.iter().all(ResolvedMaterial::is_incompressible),
@@ -146,9 +193,7 @@ pub(crate) fn resolve<'a>(
     let free_modes = rigid_modes::check(scene, kind, mesh, &supports, &mut faults);
     solver::check_contact(scene, &free_modes, &mut faults);
     rubber::check(scene, &materials, &mut faults);
-    for (index, step) in steps.iter().enumerate() {
-        steps::Steps { scene, mesh }.check(step, &format!("step[{index}]"), &mut faults);
-    }
+    steps::Steps { scene, mesh }.check_all(steps, &mut faults);
     faults.result()?;
     let resolved = Resolved {
         kind,
@@ -158,6 +203,7 @@ pub(crate) fn resolve<'a>(
         supports,
         tractions,
         pressures,
+        fluids,
         body_force: scene.body_force,
         body_force_values,
         probes,

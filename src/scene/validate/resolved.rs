@@ -9,7 +9,7 @@ use crate::element::manufactured::Manufactured;
 use crate::material::{LinearElastic, Rubber};
 use crate::mesh::locate::Located;
 use crate::obstacle::Obstacle;
-use crate::scene::{SceneKind, SurfaceGeometry};
+use crate::scene::{Film, SceneKind, SurfaceGeometry};
 
 /// An item of the scene and the facets of the groups that it names.
 #[derive(Clone, Debug)]
@@ -22,7 +22,8 @@ pub(crate) struct Placed<'a, T> {
 /// A material with its law.
 #[derive(Clone, Debug)]
 pub(crate) struct ResolvedMaterial {
-    /// The law; of a rubber, its moduli at rest (1 / K in the place of 1 / lambda).
+    /// The law; of a rubber, its moduli at rest (1 / K in the place of 1 / lambda; of a foam that of
+    /// its pressure, the rest of K in that of lambda_1).
     pub(crate) law: LinearElastic,
     pub(crate) poisson_ratio: f64,
     /// Whether u is a velocity.
@@ -35,6 +36,11 @@ impl ResolvedMaterial {
     /// Whether the volume cannot change at all.
     pub(crate) fn is_incompressible(&self) -> bool {
         self.poisson_ratio >= 0.5
+    }
+
+    /// Whether its law has a resistance to changes of volume of its own.
+    pub(crate) fn is_foam(&self) -> bool {
+        self.rubber.as_ref().is_some_and(|law| law.foam().is_some())
     }
 }
 
@@ -125,6 +131,27 @@ pub(crate) struct ResolvedPressure {
     pub(crate) value: f64,
 }
 
+/// A fluid that creeps along facets.
+#[derive(Clone, Debug)]
+pub(crate) struct ResolvedFluid {
+    /// Unique among fluids.
+    pub(crate) name: String,
+    /// Facets that it can reach and may, ascending, all on the surface of the body.
+    pub(crate) facets: Vec<u32>,
+    /// Facets that are wet from the start, ascending.
+    pub(crate) from: Vec<u32>,
+    /// Facets that it must not reach, ascending.
+    pub(crate) dry: Vec<u32>,
+    /// At the end of the first step, the caller's stress.
+    pub(crate) pressure: f64,
+    /// Contact pressure below which it enters, the caller's stress; none where that is its own.
+    pub(crate) threshold: Option<f64>,
+    /// What becomes of it where contact closes.
+    pub(crate) film: Film,
+    /// Relative width of the bracket of the pressure at which it leaks.
+    pub(crate) blow_off_tolerance: f64,
+}
+
 /// A rigid body that facets may touch.
 #[derive(Clone, Debug)]
 pub(crate) struct ResolvedObstacle {
@@ -165,6 +192,7 @@ pub(crate) struct Resolved {
     pub(crate) supports: Vec<ResolvedSupport>,
     pub(crate) tractions: Vec<ResolvedTraction>,
     pub(crate) pressures: Vec<ResolvedPressure>,
+    pub(crate) fluids: Vec<ResolvedFluid>,
     /// The caller's force per undeformed volume `[3]`.
     pub(crate) body_force: [f64; 3],
     /// The same of each node or cell, on top.

@@ -60,7 +60,9 @@ pub(crate) fn check(
         let list = free.join(", ");
         faults.unsupported(
             "support",
-            format!("several bodies of which some are free ({list})"),
+            format!(
+                "several bodies of which some are free ({list}), and ties between bodies are not solved yet: mesh them with common nodes, or hold each by supports of its own"
+            ),
         );
     }
     free

@@ -1,12 +1,12 @@
 //! Rubber: parameters, and what a scene of rubber can have beside it.
 //!
 //! The shear modulus at rest is 2 (c10 + c01), of Ogden's law the sum of
-//! mu alpha / 2; Poisson's ratio at rest (3 K - 2 mu) / (2 (3 K + mu)).
+//! mu alpha / 2; Poisson's ratio at rest (3 K - 2 mu) / (2 (3 K + mu)). Foams are beside ([`foams`]).
 
-use super::{Faults, Resolved, ResolvedMaterial};
+use super::{Faults, Resolved, ResolvedMaterial, foams};
 use crate::material::{
     ArrudaBoyce, Gent, InvariantLaw, Isochoric, LinearElastic, Ogden, OgdenTerm, POWERS,
-    Polynomial, Potential, Rubber,
+    Polynomial, Potential, Rubber, VanDerWaals, blatz_ko,
 };
 use crate::scene::{
     Choice, ContactMethod, DisplacementMethod, Named, RubberModel, SaddleMethod, Scene, SceneKind,
@@ -28,9 +28,16 @@ pub(super) fn resolve(
     path: &str,
     faults: &mut Faults,
 ) -> ResolvedMaterial {
+    let isochoric = match law(model, path, faults) {
+        Isochoric::Hyperfoam(law) => return foams::resolve(law, bulk_modulus, path, faults),
+        law @ (Isochoric::Invariants(_)
+        | Isochoric::Ogden(_)
+        | Isochoric::Potential(_)
+        | Isochoric::Sheet(_)) => law,
+    };
     let inverse_bulk = inverse_bulk(bulk_modulus, path, faults);
     let rubber = Rubber {
-        isochoric: isochoric(model, path, faults),
+        isochoric,
         inverse_bulk,
     };
     let shear_modulus = rubber.shear_modulus();
@@ -54,24 +61,27 @@ pub(super) fn beside_rubber(material: ResolvedMaterial) -> ResolvedMaterial {
     }
     let (shear_modulus, nu) = (material.law.shear_modulus, material.poisson_ratio);
     let inverse_bulk = 1.5 * (1.0 - 2.0 * nu) / (shear_modulus * (1.0 + nu));
-    let isochoric = Isochoric::Invariants(InvariantLaw {
-        c10: 0.5 * shear_modulus,
-        c01: 0.0,
-        c20: 0.0,
-        c30: 0.0,
-    });
     ResolvedMaterial {
         law: LinearElastic {
             shear_modulus,
             inverse_lame: inverse_bulk,
             direct_lame: 0.0,
         },
-        rubber: Some(Rubber {
-            isochoric,
-            inverse_bulk,
-        }),
+        rubber: Some(Rubber::neo_hookean(shear_modulus, inverse_bulk)),
         ..material
     }
+}
+
+/// Makes `material` that of a sheet of `rubber`, by its moduli in the plane at rest; displacements
+/// carry what its pressure does not.
+pub(super) fn flatten(rubber: Rubber, material: &mut ResolvedMaterial) {
+    let (shear_modulus, ratio) = (material.law.shear_modulus, material.poisson_ratio);
+    let in_plane = LinearElastic::from_shear_modulus(shear_modulus, ratio).of_a_sheet();
+    let sheet = rubber.of_a_sheet();
+    material.law.direct_lame = in_plane.lame() - sheet.inverse_bulk.recip();
+    material.law.inverse_lame = sheet.inverse_bulk;
+    material.poisson_ratio = in_plane.poisson_ratio();
+    material.rubber = Some(sheet);
 }
 
 /// At rest, from mu / K.
@@ -91,12 +101,12 @@ fn inverse_bulk(bulk_modulus: Option<f64>, path: &str, faults: &mut Faults) -> f
     inverse
 }
 
-fn isochoric(model: &RubberModel, path: &str, faults: &mut Faults) -> Isochoric {
+pub(super) fn law(model: &RubberModel, path: &str, faults: &mut Faults) -> Isochoric {
     let first = format!("{path}.c10");
     let [c10, c01, c20, c30] = match model {
         &RubberModel::MooneyRivlin { c10, c01 } => {
             all_finite(&[("c10", c10), ("c01", c01)], path, faults);
-            at_rest(2.0 * (c10 + c01), "2 (c10 + c01)", &first, faults);
+            faults.at_rest(2.0 * (c10 + c01), "2 (c10 + c01)", &first);
             [c10, c01, 0.0, 0.0]
         }
         &RubberModel::NeoHookean { shear_modulus } => {
@@ -105,7 +115,7 @@ fn isochoric(model: &RubberModel, path: &str, faults: &mut Faults) -> Isochoric 
         }
         &RubberModel::Yeoh { c10, c20, c30 } => {
             all_finite(&[("c10", c10), ("c20", c20), ("c30", c30)], path, faults);
-            at_rest(2.0 * c10, "2 c10", &first, faults);
+            faults.at_rest(2.0 * c10, "2 c10", &first);
             [c10, 0.0, c20, c30]
         }
         RubberModel::Ogden { mu, alpha } => return ogden(mu, alpha, path, faults),
@@ -118,6 +128,27 @@ fn isochoric(model: &RubberModel, path: &str, faults: &mut Faults) -> Isochoric 
             mu,
             locking_stretch,
         } => return arruda_boyce(mu, locking_stretch, path, faults),
+        &RubberModel::VanDerWaals {
+            shear_modulus,
+            locking_stretch,
+            a,
+            beta,
+        } => {
+            let law = VanDerWaals {
+                shear_modulus,
+                locking_stretch,
+                interaction: a,
+                second_share: beta,
+            };
+            return van_der_waals(law, path, faults);
+        }
+        RubberModel::Hyperfoam { mu, alpha, nu } => {
+            return Isochoric::Hyperfoam(foams::hyperfoam([mu, alpha, nu], path, faults));
+        }
+        &RubberModel::BlatzKo { shear_modulus } => {
+            faults.above_zero(&format!("{path}.shear_modulus"), shear_modulus);
+            return Isochoric::Hyperfoam(blatz_ko(shear_modulus));
+        }
     };
     Isochoric::Invariants(InvariantLaw { c10, c01, c20, c30 })
 }
@@ -130,18 +161,6 @@ fn all_finite(values: &[(&str, f64)], path: &str, faults: &mut Faults) {
                 format!("must be finite, not {value}"),
             );
         }
-    }
-}
-
-/// A body without shear stiffness at rest has no equilibrium to find; what is
-/// not finite has its own message.
-fn at_rest(shear_modulus: f64, formula: &str, path: &str, faults: &mut Faults) {
-    let is_usable = shear_modulus > 0.0 && shear_modulus.is_finite();
-    if !is_usable && !shear_modulus.is_nan() {
-        let message = format!(
-            "the shear modulus at rest, {formula}, must be above zero and finite, not {shear_modulus}"
-        );
-        faults.add(path, message);
     }
 }
 
@@ -170,7 +189,7 @@ fn ogden(mu: &[f64], alpha: &[f64], path: &str, faults: &mut Faults) -> Isochori
         terms: terms.collect(),
     };
     let formula = "the sum of mu alpha / 2";
-    at_rest(law.shear_modulus(), formula, &format!("{path}.mu"), faults);
+    faults.at_rest(law.shear_modulus(), formula, &format!("{path}.mu"));
     Isochoric::Ogden(law)
 }
 
@@ -180,7 +199,7 @@ fn polynomial(coefficients: [f64; 9], path: &str, faults: &mut Faults) -> Isocho
     let pairs: Vec<(&str, f64)> = names.iter().map(String::as_str).zip(coefficients).collect();
     all_finite(&pairs, path, faults);
     let modulus = 2.0 * (coefficients[0] + coefficients[1]);
-    at_rest(modulus, "2 (c10 + c01)", &format!("{path}.c10"), faults);
+    faults.at_rest(modulus, "2 (c10 + c01)", &format!("{path}.c10"));
     Isochoric::Potential(Potential::Polynomial(Polynomial { coefficients }))
 }
 
@@ -208,6 +227,27 @@ fn arruda_boyce(mu: f64, locking_stretch: f64, path: &str, faults: &mut Faults) 
     }))
 }
 
+fn van_der_waals(law: VanDerWaals, path: &str, faults: &mut Faults) -> Isochoric {
+    faults.above_zero(&format!("{path}.shear_modulus"), law.shear_modulus);
+    let limit = law.locking_stretch * law.locking_stretch - 3.0;
+    if !(law.locking_stretch > 0.0 && limit >= LEAST_LIMIT && limit.is_finite()) {
+        let message = format!(
+            "must be above the square root of three, its square at least {LEAST_LIMIT} above three and finite, not {}",
+            law.locking_stretch
+        );
+        faults.add(format!("{path}.locking_stretch"), message);
+    }
+    if !(law.interaction >= 0.0 && law.interaction.is_finite()) {
+        let message = format!("must be at least zero and finite, not {}", law.interaction);
+        faults.add(format!("{path}.a"), message);
+    }
+    if !(0.0..=1.0).contains(&law.second_share) {
+        let message = format!("must lie between zero and one, not {}", law.second_share);
+        faults.add(format!("{path}.beta"), message);
+    }
+    Isochoric::Potential(Potential::VanDerWaals(law))
+}
+
 /// Refuses what rubber is not solved with, and what only rubber has.
 pub(super) fn check(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut Faults) {
     let is_rubber = |material: &ResolvedMaterial| material.rubber.is_some();
@@ -217,6 +257,10 @@ pub(super) fn check(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut 
     if scene.manufactured.is_some() {
         let message = "the fields are of linear elasticity, not of rubber";
         faults.unsupported("manufactured.field", message);
+    }
+    if scene.kind == Some(SceneKind::PlaneStress) && !scene.pressures.is_empty() {
+        let message = "a follower pressure on a sheet, whose thickness changes; give a `traction`";
+        faults.unsupported("pressure[0]", message);
     }
     methods(&scene.solver, faults);
 }
@@ -257,9 +301,6 @@ fn needs_rubber(scene: &Scene, faults: &mut Faults) {
         let message = "a follower pressure without rubber; `traction` is a dead load";
         faults.unsupported("pressure[0]", message);
     }
-    if scene.kind == Some(SceneKind::Axisymmetric) {
-        faults.unsupported("kind", "`axisymmetric` without rubber");
-    }
 }
 
 impl Resolved {
@@ -273,7 +314,6 @@ impl Resolved {
     /// Whether the equations are not linear in the displacement even without
     /// contact.
     pub(crate) fn is_nonlinear(&self) -> bool {
-        let is_axisymmetric = self.kind == SceneKind::Axisymmetric;
-        self.is_rubber() || is_axisymmetric || !self.pressures.is_empty()
+        self.is_rubber() || !self.pressures.is_empty()
     }
 }

@@ -1,7 +1,7 @@
 //! Load steps and obstacle updates.
 
 use super::support_load::Poses;
-use super::{Faults, in_plane, values};
+use super::{Faults, fluids, in_plane, values};
 use crate::mesh::Mesh;
 use crate::scene::names::hint;
 use crate::scene::{
@@ -29,6 +29,13 @@ pub(crate) struct Steps<'a> {
 }
 
 impl Steps<'_> {
+    /// Adds the faults of all steps of a scene.
+    pub(super) fn check_all(&self, steps: &[Step], faults: &mut Faults) {
+        for (index, step) in steps.iter().enumerate() {
+            self.check(step, &format!("step[{index}]"), faults);
+        }
+    }
+
     /// Adds the faults of one step, whose key is `path`.
     pub(crate) fn check(&self, step: &Step, path: &str, faults: &mut Faults) {
         if !(1..=MOST_INCREMENTS).contains(&step.increments) {
@@ -42,6 +49,7 @@ impl Steps<'_> {
             faults.finite(&format!("{path}.load"), &[load]);
         }
         values::check_step((self.scene, step), self.mesh, path, faults);
+        fluids::check_step(self.scene, step, path, faults);
         for target in &step.obstacles {
             if faults.is_full() {
                 return;

@@ -11,9 +11,9 @@ use crate::obstacle::grid::Lattice;
 use crate::obstacle::surface::{Interpolation, SurfaceShape};
 
 use crate::scene::{
-    Formulation, Material, MaterialModel, Modulus, Obstacle, Pressure, Probe, Profile, RubberModel,
-    Scene, SceneKind, Shape, SolverOptions, Support, SupportLoad, SurfaceGeometry, ToleranceRule,
-    Traction, Values,
+    Fluid, FluidThreshold, Formulation, Material, MaterialModel, Modulus, Obstacle, Pressure,
+    Probe, Profile, RubberModel, Scene, SceneKind, Shape, SolverOptions, Support, SupportLoad,
+    SurfaceGeometry, ToleranceRule, Traction, Values,
 };
 
 /// The digest of `scene`.
@@ -65,11 +65,14 @@ impl Canonical {
             supports,
             tractions,
             pressures,
+            fluids,
             body_force,
             body_force_values,
             obstacles,
             manufactured,
             probes,
+            // Changes no state.
+            questions: _,
             solver,
         } = scene;
         self.optional(*mesh_scale);
@@ -84,6 +87,33 @@ impl Canonical {
         self.text(manufactured.as_deref().unwrap_or_default());
         self.all(probes, Self::probe);
         self.solver(solver);
+        // A scene without fluids has the digest that it had before there were any.
+        if !fluids.is_empty() {
+            self.all(fluids, Self::fluid);
+        }
+    }
+
+    fn fluid(&mut self, fluid: &Fluid) {
+        let Fluid {
+            name,
+            on,
+            from,
+            dry,
+            pressure,
+            threshold,
+            film,
+            blow_off_tolerance,
+        } = fluid;
+        self.text(name);
+        for groups in [on, from, dry] {
+            self.texts(groups);
+        }
+        self.optional(match threshold {
+            FluidThreshold::Fluid => None,
+            FluidThreshold::Pressure(pressure) => Some(*pressure),
+        });
+        self.text(film.name());
+        self.numbers(&[*pressure, *blow_off_tolerance]);
     }
 
     fn material(&mut self, material: &Material) {
@@ -151,6 +181,18 @@ impl Canonical {
                 mu,
                 locking_stretch,
             } => self.numbers(&[*mu, *locking_stretch]),
+            RubberModel::VanDerWaals {
+                shear_modulus,
+                locking_stretch,
+                a,
+                beta,
+            } => self.numbers(&[*shear_modulus, *locking_stretch, *a, *beta]),
+            RubberModel::Hyperfoam { mu, alpha, nu } => {
+                [mu, alpha, nu]
+                    .into_iter()
+                    .for_each(|all| self.numbers(all));
+            }
+            RubberModel::BlatzKo { shear_modulus } => self.numbers(&[*shear_modulus]),
         }
     }
 

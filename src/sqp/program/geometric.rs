@@ -12,6 +12,7 @@ use crate::linalg::SparseRows;
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::evaluate::Evaluation;
+use crate::model::fluids::fluid_tangent;
 use crate::model::interfaces::Interface;
 use crate::model::pressures::pressure_tangent;
 use crate::model::state::State;
@@ -62,12 +63,14 @@ impl GeometricStiffness {
 /// What pressures that follow the body and a pull to an earlier state take off the
 /// stiffness; none where there is neither.
 fn load_stiffness(model: &Model<'_>, state: &State) -> Option<SparseRows> {
-    let pressed = pressure_tangent(model, state);
-    match (&model.conditions.proximal, pressed) {
-        (Some(proximal), Some(pressed)) => Some(pressed.plus(&proximal.stiffness())),
-        (Some(proximal), None) => Some(proximal.stiffness()),
-        (None, pressed) => pressed,
-    }
+    let proximal = model.conditions.proximal.as_ref();
+    let terms = [
+        pressure_tangent(model, state),
+        fluid_tangent(model, state),
+        proximal.map(|proximal| proximal.stiffness()),
+    ];
+    let terms = terms.into_iter().flatten();
+    terms.reduce(|sum, term| sum.plus(&term))
 }
 
 /// Curvature of the gaps of surfaces on what they meet, under the present contact pressure.

@@ -12,6 +12,7 @@
 mod augmentation;
 mod by_factor;
 mod contact_edges;
+mod dual;
 mod factorised;
 mod geometric;
 mod inverse;
@@ -37,6 +38,7 @@ use crate::model::tangent::Tangent;
 use crate::precond::coarse_schur::CoarseSchur;
 use crate::precond::volume_modes::VolumeModes;
 use crate::prepare::{ApproximateInverse, TaylorHoodData};
+pub(crate) use dual::{DualFailure, Fields};
 use geometric::GeometricStiffness;
 use inverse::inverse;
 pub(crate) use step::Step;
@@ -176,6 +178,7 @@ pub(crate) fn constants() -> Vec<crate::constants::Constant> {
         augmentation::own_constants(),
         by_factor::own_constants(),
         contact_edges::own_constants(),
+        dual::own_constants(),
         factorised::own_constants(),
         penalised::own_constants(),
         rigid_modes::own_constants(),

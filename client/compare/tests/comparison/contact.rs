@@ -259,7 +259,7 @@ fn the_plan_names_method_and_metric_and_leaves_an_unused_compliance_out() {
     };
     let (choice, reason) = decision("auto", "auto");
     assert_eq!(choice, "one level, dense compliance metric");
-    assert!(reason.contains("together"), "{reason}");
+    assert!(reason.contains("in one iteration"), "{reason}");
     let (choice, reason) = decision("mprgp", "mass");
     assert!(choice.contains("proportioning") && choice.contains("lumped mass"));
     assert_eq!(reason, "asked for");

@@ -109,3 +109,16 @@ fn a_deck_of_a_mesh_alone_is_drafted_like_any_mesh() {
     );
     assert!(!text.contains("Not taken over"), "{text}");
 }
+
+#[test]
+fn a_law_that_is_not_taken_over_is_asked_for_and_never_made_up() {
+    let deck = DECK.replace("MOONEY-RIVLIN", "N=2, TEST DATA INPUT");
+    let mesh = inp::read(deck.as_bytes()).unwrap();
+    let found = inp::read_scene(deck.as_bytes(), &mut |_| Err(String::new())).unwrap();
+    let text = draft(&mesh, "block.inp", Some(&found));
+    let told = match scene_file::read(&text, Path::new("draft.toml"), &[]) {
+        Ok(_) => unreachable!("{text}"),
+        Err(error) => error.to_string(),
+    };
+    assert!(told.contains("material.Rubber.model"), "{told}");
+}

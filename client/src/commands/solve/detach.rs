@@ -9,7 +9,7 @@ use signorini_proto::v1;
 use super::complete;
 use crate::arguments::SolveArguments;
 use crate::arguments::input::{self, Input};
-use crate::commands::interrupts;
+use crate::commands::Interrupts;
 use crate::terminal::exit::{Exit, Failure};
 use crate::terminal::stdout::print;
 use crate::terminal::text::note;
@@ -80,10 +80,10 @@ async fn hand_over(
     session: &str,
     steps: Vec<v1::LoadStep>,
 ) -> Result<Exit, Failure> {
-    let mut interrupts = interrupts()?;
+    let mut interrupts = Interrupts::new()?;
     tokio::select! {
         sent = send(client, session, steps) => sent.map(|()| Exit::Ok),
-        Some(()) = interrupts.recv() => Ok(Exit::Interrupted),
+        () = interrupts.next() => Ok(Exit::Interrupted),
     }
 }
 

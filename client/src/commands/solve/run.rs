@@ -5,9 +5,8 @@ use std::time::Duration;
 use signorini_client::solve::{Attach, Canceller, Events, Solve, Updates};
 use signorini_client::{Client, ClientError};
 use signorini_proto::v1;
-use tokio::signal::unix::Signal;
 
-use crate::commands::interrupts;
+use crate::commands::Interrupts;
 use crate::report::record::Record;
 use crate::terminal::exit::{Exit, Failure};
 
@@ -17,6 +16,8 @@ const PARTING: Duration = Duration::from_secs(5);
 /// A run and where its results go.
 pub(super) struct Run {
     pub(super) record: Record,
+    /// How long a broken connection is tried again, and the server waits for this.
+    patience: Duration,
     interrupted: bool,
 }
 
@@ -25,13 +26,14 @@ pub(super) struct Run {
 struct Answers {
     events: Events,
     canceller: Canceller,
-    interrupts: Signal,
+    interrupts: Interrupts,
 }
 
 impl Run {
-    pub(super) fn new(record: Record) -> Self {
+    pub(super) fn new(record: Record, patience: Duration) -> Self {
         Self {
             record,
+            patience,
             interrupted: false,
         }
     }
@@ -45,6 +47,10 @@ impl Run {
     ) -> Result<Exit, Failure> {
         let attach = Attach {
             iteration_interval: self.record.iteration_interval(),
+            // A client that was killed comes back no more.
+            on_disconnect: v1::DisconnectPolicy::CancelStep,
+            disconnect_grace: self.patience,
+            patience: self.patience,
             ..Default::default()
         };
         let Solve {
@@ -55,7 +61,7 @@ impl Run {
         let mut answers = Answers {
             events,
             canceller: updates.canceller(),
-            interrupts: interrupts()?,
+            interrupts: Interrupts::new()?,
         };
         for step in steps {
             let termination = self.step(step, &mut updates, &mut answers).await?;
@@ -97,7 +103,7 @@ impl Run {
         loop {
             let event = tokio::select! {
                 event = answers.events.next() => event?,
-                Some(()) = answers.interrupts.recv() => {
+                () = answers.interrupts.next() => {
                     self.interrupt(sequence, &answers.canceller).await;
                     continue;
                 }

@@ -5,7 +5,8 @@ use std::collections::{HashMap, HashSet};
 use super::deck::{Deck, Element, Entry, Face};
 use super::element::face;
 use super::error::{InpError, InpFault};
-use super::gather::{Facets, Lists, sorted};
+use super::gather::{Facets, Lists, OfCells, sorted};
+use super::keywords::no_cells;
 use super::sets::{Allowance, Order, Visibility};
 use crate::formats::mesh::raw::{ElementKind, Owner, RawMesh};
 use crate::formats::mesh::split::{picked, triangles};
@@ -17,7 +18,9 @@ pub(super) fn mesh(deck: Deck, members: usize) -> Result<MeshFile, InpError> {
     let raw = builder.raw().map_err(InpError::whole)?;
     let built = mesh::build(&raw).map_err(|fault| InpError::whole(builder.explained(fault)));
     let mut mesh = built?;
+    let left_out = builder.left_out();
     mesh.warnings.extend(builder.deck.warnings);
+    mesh.warnings.extend(left_out);
     Ok(mesh)
 }
 
@@ -33,6 +36,8 @@ pub(super) struct Builder {
     /// The list of groups of each element.
     of_elements: Vec<u32>,
     pub(super) facets: Facets,
+    /// Faces of cells; empty where no element of the surface asks for them.
+    of_cells: OfCells,
     /// Dimension and name of each group; its number is its position and one.
     groups: Vec<(usize, String)>,
     /// The same, to look them up.
@@ -50,8 +55,10 @@ impl Builder {
         if let Some(number) = order.repeated() {
             return Err(InpFault::DuplicateElement(number));
         }
+        let dimension = dimension.ok_or(InpFault::Mesh(MeshFault::NoCells))?;
         Ok(Self {
-            dimension: dimension.ok_or(InpFault::Mesh(MeshFault::NoCells))?,
+            dimension,
+            of_cells: faces_of_cells(&deck, dimension),
             order,
             allowance: Allowance::new(members),
             lists: Lists::default(),
@@ -169,7 +176,9 @@ impl Builder {
             Face::Outer | Face::Number(1 | 2) if dimension + 1 == self.dimension => {
                 let corners = corners_of(nodes, kind);
                 for facet in parts(corners, self.dimension) {
-                    facets.add(&facet, group, lists);
+                    if self.of_cells.has(&facet) {
+                        facets.add(&facet, group, lists);
+                    }
                 }
             }
             Face::Outer | Face::Number(_) => {}
@@ -233,7 +242,9 @@ impl Builder {
                 let group = of_facets.unwrap_or_else(|| self.group(dimension, name));
                 of_facets = Some(group);
                 for facet in parts(self.corners(&element), self.dimension) {
-                    self.facets.add(&facet, group, &mut self.lists);
+                    if self.of_cells.has(&facet) {
+                        self.facets.add(&facet, group, &mut self.lists);
+                    }
                 }
             }
         }
@@ -311,6 +322,25 @@ impl Builder {
         }
     }
 
+    /// What is told of elements that are neither cells nor faces of cells.
+    fn left_out(&self) -> Vec<String> {
+        let of = |below: usize| {
+            let types = self.deck.types.iter();
+            let own = types.filter(move |(_, dimension)| dimension + below == self.dimension);
+            own.map(|(name, _)| name.as_str())
+        };
+        let lines = (2..=self.dimension).flat_map(of).map(no_cells);
+        let apart = self.of_cells.apart();
+        let faces = (apart > 0).then(|| {
+            let names: Vec<&str> = of(1).collect();
+            format!(
+                "{apart} facets of surface elements ({}) are no faces of cells, and are left out: shells and meshed tools are no part of the body; a tool is an [[obstacle]]",
+                names.join(", ")
+            )
+        });
+        lines.chain(faces).collect()
+    }
+
     /// A fault in the words of this format.
     fn explained(&self, fault: MeshFault) -> InpFault {
         if let MeshFault::UnknownNode(node) = fault {
@@ -340,6 +370,22 @@ pub(super) fn parts(face: [u64; 4], dimension: usize) -> impl Iterator<Item = [u
     let segment = (dimension == 2 && a != b).then_some([a, b, c]);
     let in_space = (dimension == 3).then(|| triangles(face));
     segment.into_iter().chain(in_space.into_iter().flatten())
+}
+
+/// Faces of all cells, if the file has elements of the surface.
+fn faces_of_cells(deck: &Deck, dimension: usize) -> OfCells {
+    let mut all = OfCells::default();
+    let of = |below: usize| move |one: &&Element| one.kind.dimension + below == dimension;
+    if !deck.elements.iter().any(|one| of(1)(&one)) {
+        return all;
+    }
+    for cell in deck.elements.iter().filter(of(0)) {
+        for local in cell.kind.faces() {
+            let faces = parts(picked(deck.nodes_of(cell), local), dimension);
+            faces.for_each(|face| all.add(&face));
+        }
+    }
+    all
 }
 
 /// Where nodes are, if the file has lines of three nodes.

@@ -105,6 +105,13 @@ impl<'a> Cards<'a> {
         self.length - self.rest.len()
     }
 
+    /// Whether the next line begins with a word.
+    pub(super) fn begins_with(&mut self, word: &[u8]) -> bool {
+        let line = self.peek();
+        let start = line.and_then(|line| line.get(..word.len()));
+        start.is_some_and(|start| start.eq_ignore_ascii_case(word))
+    }
+
     /// The next data line of the keyword that was read last.
     pub(super) fn data(&mut self) -> Option<Data<'a>> {
         let line = self.peek().filter(|line| !line.starts_with(b"*"))?;

@@ -60,6 +60,8 @@ pub(super) struct Deck {
     pub(super) sections: Vec<(usize, String)>,
     pub(super) largest: Largest,
     pub(super) warnings: Vec<String>,
+    /// Types of elements of the file with their dimensions, each once.
+    pub(super) types: Vec<(String, usize)>,
 }
 
 impl Deck {

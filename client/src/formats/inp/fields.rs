@@ -1,7 +1,8 @@
 //! Single fields of data lines: whole numbers, coordinates, faces.
 
-use super::cards::{Data, Keyword, excerpt};
+use super::cards::{Cards, Data, Keyword, excerpt};
 use super::error::{InpError, InpFault};
+use super::frame::Frame;
 use super::sets::Run;
 
 /// The fault of a keyword that names another file.
@@ -41,6 +42,12 @@ pub(super) fn real(keyword: &Keyword, line: usize, field: &[u8]) -> Result<f64, 
     parsed.map_err(|_| wrong())
 }
 
+/// A number of a law, a condition or a profile, which the scene is to have.
+pub(super) fn finite(keyword: &Keyword, line: usize, field: &[u8]) -> Result<f64, InpError> {
+    let number = real(keyword, line, field).ok().filter(|x| x.is_finite());
+    number.ok_or_else(|| unexpected(keyword, line, "a finite number", field))
+}
+
 /// Six numbers of a data line, three of which may be left out.
 pub(super) fn points(keyword: &Keyword, data: &Data<'_>) -> Result<[[f64; 3]; 2], InpError> {
     let mut points = [[0.0; 3]; 2];
@@ -49,6 +56,30 @@ pub(super) fn points(keyword: &Keyword, data: &Data<'_>) -> Result<[[f64; 3]; 2]
         *slot = real(keyword, data.line, field)?;
     }
     Ok(points)
+}
+
+/// Where an instance is: its translation, then its rotation.
+pub(super) fn placement(cards: &mut Cards<'_>, keyword: &Keyword) -> Result<Frame, InpError> {
+    let Some(data) = cards.data() else {
+        return Ok(Frame::default());
+    };
+    let [by, _] = points(keyword, &data)?;
+    let frame = Frame::at(by);
+    let Some(data) = cards.data() else {
+        return Ok(frame);
+    };
+    let [a, b] = points(keyword, &data)?;
+    let angle = data.fields.get(6).copied().unwrap_or_default();
+    let angle = real(keyword, data.line, angle)?;
+    let turned = if angle == 0.0 {
+        Some(frame)
+    } else {
+        frame.turned(a, b, angle)
+    };
+    turned.ok_or_else(|| {
+        let what = "an axis of rotation between two points that are one".to_owned();
+        keyword.error_at(data.line, InpFault::Unsupported(what))
+    })
 }
 
 /// First, last and step of a line of `GENERATE`; a step below zero counts down.

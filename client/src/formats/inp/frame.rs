@@ -50,6 +50,21 @@ impl Frame {
         Some(Self { origin, axes })
     }
 
+    /// The local system of a surface that is swept from its origin towards a point: its third axis
+    /// points the other way. None where the three points lie on a line.
+    pub(super) fn swept(origin: Point, first: Point, towards: Point) -> Option<Self> {
+        let across = cross(minus(first, origin), minus(towards, origin));
+        Self::through(origin, first, plus(origin, across))
+    }
+
+    /// Within another frame, in which its origin and axes are given.
+    pub(super) fn within(self, outer: &Self) -> Self {
+        Self {
+            origin: outer.place(self.origin),
+            axes: self.axes.map(|axis| outer.turn(axis)),
+        }
+    }
+
     /// Moved by the origin alone.
     pub(super) fn at(origin: Point) -> Self {
         Self {
@@ -77,11 +92,15 @@ impl Frame {
     }
 
     /// Where a point of the frame is.
-    pub(super) fn place(&self, [x, y, z]: Point) -> Point {
+    pub(super) fn place(&self, point: Point) -> Point {
+        plus(self.origin, self.turn(point))
+    }
+
+    /// A vector of the frame.
+    fn turn(&self, [x, y, z]: Point) -> Point {
         let [a, b, c] = self.axes;
         let scaled = |by: f64, axis: Point| axis.map(|one| by * one);
-        let sum = plus(plus(scaled(x, a), scaled(y, b)), scaled(z, c));
-        plus(self.origin, sum)
+        plus(plus(scaled(x, a), scaled(y, b)), scaled(z, c))
     }
 }
 
@@ -132,6 +151,17 @@ mod tests {
             Frame::through([0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]),
             None
         );
+    }
+
+    #[test]
+    fn surfaces_are_swept_against_their_third_axis_in_the_frame_around_them() {
+        let frame = Frame::swept([0.0; 3], [3.0, 0.0, 0.0], [0.0, -2.0, 0.0]).unwrap();
+        near(frame.place([1.0, 0.0, 0.0]), [1.0, 0.0, 0.0]);
+        near(frame.place([0.0, 1.0, 0.0]), [0.0, 0.0, -1.0]);
+        near(frame.place([0.0, 0.0, 1.0]), [0.0, 1.0, 0.0]);
+        let outer = Frame::at([5.0, 0.0, 0.0]).turned([0.0; 3], [0.0, 0.0, 1.0], 90.0);
+        let inner = Frame::at([1.0, 2.0, 3.0]).within(&outer.unwrap());
+        near(inner.place([1.0, 0.0, 0.0]), [-2.0, 7.0, 3.0]);
     }
 
     #[test]

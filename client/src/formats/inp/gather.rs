@@ -3,7 +3,7 @@
 //! Elements of the same groups share one list, so that lists take no more memory than
 //! the sets that they come from.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::sets::Order;
 
@@ -70,6 +70,34 @@ impl Facets {
         if let Some(list) = self.lists.get_mut(at) {
             *list = lists.with(*list, group);
         }
+    }
+}
+
+/// Faces of cells, which elements of the surface have to be.
+#[derive(Default)]
+pub(super) struct OfCells {
+    faces: HashSet<[u64; 3]>,
+    apart: HashSet<[u64; 3]>,
+}
+
+impl OfCells {
+    pub(super) fn add(&mut self, face: &[u64; 3]) {
+        self.faces.insert(sorted(face));
+    }
+
+    /// Whether a facet is one of them; others are counted.
+    pub(super) fn has(&mut self, facet: &[u64; 3]) -> bool {
+        let key = sorted(facet);
+        let is_one = self.faces.contains(&key);
+        if !is_one {
+            self.apart.insert(key);
+        }
+        is_one
+    }
+
+    /// Facets that were none.
+    pub(super) fn apart(&self) -> usize {
+        self.apart.len()
     }
 }
 

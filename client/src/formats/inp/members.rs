@@ -176,8 +176,12 @@ impl Reader<'_> {
             }
             // Analytic surfaces are obstacles, not parts of the body.
             "SEGMENTS" | "CYLINDER" | "REVOLUTION" => Ok(()),
+            "ELEMENT" => {
+                let what = "combined surfaces: list the faces of all in one *SURFACE".to_owned();
+                Err(keyword.error(InpFault::Unsupported(what)))
+            }
             _ => {
-                let what = format!("surfaces of type {kind}, or combined ones");
+                let what = format!("surfaces of type {kind}: use TYPE=ELEMENT or NODE");
                 Err(keyword.error(InpFault::Unsupported(what)))
             }
         }

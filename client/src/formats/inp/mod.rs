@@ -13,7 +13,8 @@
 //! | `*NSET`, `NSET=`, `*SURFACE, TYPE=NODE` | groups of the facets of the surface whose corners are all in the set |
 //! | `*PART`, `*INSTANCE` | a copy of the part for each instance, moved and turned; names that several have become `INSTANCE.NAME` |
 //! | `*SYSTEM`, `*NODE, SYSTEM=C` | local and cylindrical coordinates of nodes |
-//! | springs, masses, dashpots, connectors | left out with a warning |
+//! | springs, masses, dashpots, connectors; beams and trusses beside solids; shells and rigid elements that are no faces of cells | left out with a warning |
+//! | `*MPC`, `*EQUATION`, `*COUPLING` | not read, with a warning |
 //! | `*INCLUDE`, `INPUT=` | the file beside the deck ([`read_with`]) |
 //!
 //! Where nothing names cells they are the group `body`, and where nothing names facets the
@@ -36,6 +37,7 @@ mod fields;
 mod frame;
 mod gather;
 mod include;
+mod keywords;
 mod members;
 mod node_sets;
 mod reader;
@@ -46,6 +48,8 @@ mod sets;
 mod tests;
 #[cfg(test)]
 mod tests_of_assemblies;
+#[cfg(test)]
+mod tests_of_features;
 
 use super::mesh::{MeshFault, MeshFile};
 use include::Expanded;
@@ -54,6 +58,7 @@ use scene::DeckScene;
 
 pub use error::{InpError, InpFault};
 pub use include::ReadBeside;
+pub use keywords::OF_THE_FILE;
 
 /// Reads a mesh file that includes no other.
 ///

@@ -12,37 +12,11 @@ use super::cards::{Cards, Keyword};
 use super::deck::Deck;
 use super::element;
 use super::error::{InpError, InpFault};
-use super::fields::{include, natural, points, real};
+use super::fields::{include, natural, placement, points, real};
 use super::frame::{Coordinates, Frame};
 use super::include::file_of;
+use super::keywords::{CONSTRAINTS, MAKERS, OF_THE_FILE, OF_THE_SCENE, TIES, constraint, no_cells};
 use super::sets::{Allowance, Run, Sets, Visibility};
-
-/// Keywords that make a mesh instead of holding it.
-const MAKERS: [&str; 8] = [
-    "ELCOPY",
-    "ELGEN",
-    "IMPORT",
-    "NCOPY",
-    "NFILL",
-    "NGEN",
-    "NMAP",
-    "PARAMETER",
-];
-/// Keywords that a mesh does not have, and a scene says in its own way.
-const OF_THE_SCENE: [&str; 8] = [
-    "BOUNDARY",
-    "CLOAD",
-    "CONTACT PAIR",
-    "DLOAD",
-    "DSLOAD",
-    "EQUATION",
-    "MATERIAL",
-    "STEP",
-];
-/// What is told of ties.
-const TIES: &str = "ties of the file (*TIE) are not read: the bodies that they join stay separate";
-/// What is told of what a scene says.
-const OF_THE_FILE: &str = "materials, supports, loads and steps are those of the scene; `signorini init` writes one from the deck";
 
 /// A part or an instance that is being read.
 struct Open {
@@ -132,6 +106,7 @@ impl Reader<'_> {
                 let what = format!("*{name} makes a mesh: write the mesh itself");
                 return Err(keyword.error(InpFault::Unsupported(what)));
             }
+            name if CONSTRAINTS.contains(&name) => self.warn(constraint(name)),
             name if OF_THE_SCENE.contains(&name) => self.warn(OF_THE_FILE.to_owned()),
             _ => {}
         }
@@ -172,7 +147,7 @@ impl Reader<'_> {
         if self.instances.contains_key(&name.to_ascii_uppercase()) {
             return Err(keyword.error(InpFault::DuplicateInstance(name)));
         }
-        let frame = Some(self.frame(keyword)?);
+        let frame = Some(placement(&mut self.cards, keyword)?);
         let deck = match keyword.value("PART") {
             Some(part) => self.copy(keyword, part)?,
             None => Deck::default(),
@@ -191,30 +166,6 @@ impl Reader<'_> {
         let taken = self.copies.take(deck.size());
         taken.map_err(|fault| keyword.error(fault.copies()))?;
         Ok(deck.clone())
-    }
-
-    /// Where an instance is: its translation, then its rotation.
-    fn frame(&mut self, keyword: &Keyword) -> Result<Frame, InpError> {
-        let Some(data) = self.cards.data() else {
-            return Ok(Frame::default());
-        };
-        let [by, _] = points(keyword, &data)?;
-        let frame = Frame::at(by);
-        let Some(data) = self.cards.data() else {
-            return Ok(frame);
-        };
-        let [a, b] = points(keyword, &data)?;
-        let angle = data.fields.get(6).copied().unwrap_or_default();
-        let angle = real(keyword, data.line, angle)?;
-        let turned = if angle == 0.0 {
-            Some(frame)
-        } else {
-            frame.turned(a, b, angle)
-        };
-        turned.ok_or_else(|| {
-            let what = "an axis of rotation between two points that are one".to_owned();
-            keyword.error_at(data.line, InpFault::Unsupported(what))
-        })
     }
 
     /// Ends the part or instance that is being read.
@@ -316,11 +267,12 @@ impl Reader<'_> {
             if !element::is_no_cell(&name) {
                 return Err(keyword.error(InpFault::UnsupportedElement(name)));
             }
-            self.warn(format!(
-                "elements of type {name} are no cells, and are left out"
-            ));
+            self.warn(no_cells(&name));
             return Ok(());
         };
+        if self.main.types.iter().all(|(known, _)| *known != name) {
+            self.main.types.push((name.clone(), kind.dimension));
+        }
         let set = keyword.value("ELSET").map(str::to_owned);
         let set = set.map(|name| self.deck().element_sets.open(&name, Visibility::Group));
         let count = |numbers: &[u64]| InpFault::NodeCount {

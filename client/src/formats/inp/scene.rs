@@ -3,7 +3,8 @@
 //!
 //! | in the deck | here |
 //! |---|---|
-//! | `*HYPERELASTIC`, `*ELASTIC` | [`Law`] |
+//! | `*HYPERELASTIC`, `*HYPERFOAM`, `*ELASTIC` | [`Law`] |
+//! | `*ELEMENT, TYPE=CPE.. / CPS.. / CAX..` | [`DeckScene::kind`] |
 //! | `*BOUNDARY` before and within steps | [`Condition`] |
 //! | `*SURFACE, TYPE=SEGMENTS / CYLINDER / REVOLUTION`, `*RIGID BODY` | [`Tool`] |
 //! | `*CONTACT PAIR`, `*SURFACE INTERACTION`, `*FRICTION` | [`Contact`] |
@@ -18,7 +19,8 @@ use std::collections::HashMap;
 
 use super::cards::{Cards, Data, Keyword, text};
 use super::error::InpError;
-use super::fields::real;
+use super::fields::{finite, placement};
+use super::frame::Frame;
 
 pub use tool::{Profile, Tool};
 
@@ -27,20 +29,23 @@ const MOST_INCREMENTS: f64 = 1000.0;
 /// Increments of a step that does not say how many.
 const INCREMENTS: usize = 10;
 
+/// Beginnings of the names of elements of sections, and their `kind`.
+const KINDS: [(&str, &str); 3] = [
+    ("CPE", "plane-strain"),
+    ("CPS", "plane-stress"),
+    ("CAX", "axisymmetric"),
+];
+
 /// Keywords of the mesh, or that hold others.
-const SILENT: [&str; 19] = [
+const SILENT: [&str; 15] = [
     "ASSEMBLY",
-    "ELEMENT",
     "ELSET",
     "END ASSEMBLY",
-    "END INSTANCE",
     "END PART",
     "END STEP",
     "HEADING",
     "INCLUDE",
-    "INSTANCE",
     "MATERIAL",
-    "NODE",
     "PART",
     "PREPRINT",
     "SOLID SECTION",
@@ -97,6 +102,10 @@ pub struct Step {
 /// What a deck says beside its mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeckScene {
+    /// Value of `kind` of a section, by its first elements; none of a solid.
+    pub kind: Option<&'static str>,
+    /// Names of all materials, those whose law is left out too.
+    pub materials: Vec<String>,
     /// Laws by the names of their materials.
     pub laws: Vec<(String, Law)>,
     /// What holds before the first step.
@@ -115,7 +124,8 @@ pub struct DeckScene {
 struct Reader<'a> {
     cards: Cards<'a>,
     scene: DeckScene,
-    material: String,
+    /// The instance that is being read, and where it is.
+    instance: Option<(String, Frame)>,
     interaction: String,
     /// Coefficients by the names of interactions in capitals.
     frictions: HashMap<String, f64>,
@@ -132,7 +142,7 @@ pub(super) fn scene(bytes: &[u8]) -> Result<DeckScene, InpError> {
     let mut reader = Reader {
         cards: Cards::new(bytes),
         scene: DeckScene::default(),
-        material: String::new(),
+        instance: None,
         interaction: String::new(),
         frictions: HashMap::new(),
         of_contacts: Vec::new(),
@@ -149,10 +159,16 @@ impl Reader<'_> {
     fn take(&mut self, keyword: &Keyword) -> Result<(), InpError> {
         let name = || keyword.value("NAME").unwrap_or_default().to_owned();
         match keyword.name.as_str() {
-            "MATERIAL" => self.material = name(),
-            "HYPERELASTIC" | "ELASTIC" => self.law(keyword)?,
+            "ELEMENT" => self.kind(keyword),
+            "INSTANCE" => {
+                let frame = placement(&mut self.cards, keyword)?;
+                self.instance = Some((name(), frame));
+            }
+            "END INSTANCE" => self.instance = None,
+            "MATERIAL" => self.scene.materials.push(name()),
+            "HYPERELASTIC" | "HYPERFOAM" | "ELASTIC" => self.law(keyword)?,
             "BOUNDARY" => self.boundary(keyword)?,
-            "NSET" => self.node_set(keyword),
+            "NODE" | "NSET" => self.node_set(keyword),
             "SURFACE" => self.surface(keyword)?,
             "RIGID BODY" => self.rigid_body(keyword),
             "SURFACE INTERACTION" => self.interaction = name(),
@@ -169,6 +185,14 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// What the elements of a section stand for.
+    fn kind(&mut self, keyword: &Keyword) {
+        let element = keyword.value("TYPE").unwrap_or_default().to_uppercase();
+        let kinds = KINDS.iter().find(|(start, _)| element.starts_with(start));
+        let found = kinds.map(|&(_, kind)| kind);
+        self.scene.kind = self.scene.kind.or(found);
+    }
+
     fn leave_out(&mut self, keyword: &Keyword, why: &str) {
         let told = match why {
             "" => format!("*{}", keyword.name),
@@ -182,7 +206,7 @@ impl Reader<'_> {
         let mut numbers = Vec::new();
         while let Some(data) = self.cards.data() {
             for field in &data.fields {
-                numbers.push(real(keyword, data.line, field)?);
+                numbers.push(finite(keyword, data.line, field)?);
             }
         }
         Ok(numbers)
@@ -191,15 +215,20 @@ impl Reader<'_> {
     fn law(&mut self, keyword: &Keyword) -> Result<(), InpError> {
         let numbers = self.numbers(keyword)?;
         match law::law(keyword, &numbers) {
-            Ok(law) => self.scene.laws.push((self.material.clone(), law)),
+            Ok(law) => {
+                let material = self.scene.materials.last().cloned().unwrap_or_default();
+                self.scene.laws.push((material, law));
+            }
             Err(why) => self.leave_out(keyword, &why),
         }
         Ok(())
     }
 
     fn boundary(&mut self, keyword: &Keyword) -> Result<(), InpError> {
-        let foreign = ["AMPLITUDE", "TYPE", "USER", "SUBMODEL", "FIXED"];
-        let is_plain = foreign.iter().all(|name| !keyword.has(name));
+        let foreign = ["AMPLITUDE", "USER", "SUBMODEL", "FIXED"];
+        let kind = keyword.value("TYPE").unwrap_or("DISPLACEMENT");
+        let is_plain = kind.eq_ignore_ascii_case("DISPLACEMENT")
+            && foreign.iter().all(|name| !keyword.has(name));
         let is_new = keyword
             .value("OP")
             .is_some_and(|op| op.eq_ignore_ascii_case("NEW"));
@@ -221,36 +250,6 @@ impl Reader<'_> {
             }
         }
         Ok(())
-    }
-
-    /// Sets of one node name reference points.
-    fn node_set(&mut self, keyword: &Keyword) {
-        let Some(name) = keyword.value("NSET").map(str::to_ascii_uppercase) else {
-            return;
-        };
-        while let Some(data) = self.cards.data() {
-            let is_one = data.fields.len() == 1 && !keyword.has("GENERATE");
-            let field = data.fields.first().filter(|_| is_one);
-            let member = field.map(|field| text(field).to_ascii_uppercase());
-            self.single
-                .entry(name.clone())
-                .and_modify(|known| *known = None)
-                .or_insert(member);
-        }
-    }
-
-    fn rigid_body(&mut self, keyword: &Keyword) {
-        let surface = keyword.value("ANALYTICAL SURFACE");
-        match surface.zip(keyword.value("REF NODE")) {
-            Some((surface, node)) => {
-                let surface = surface.to_ascii_uppercase();
-                self.references.insert(surface, node.to_owned());
-            }
-            None => self.leave_out(
-                keyword,
-                "without an analytical surface and a reference node",
-            ),
-        }
     }
 
     fn friction(&mut self, keyword: &Keyword) -> Result<(), InpError> {
@@ -362,7 +361,7 @@ fn condition(keyword: &Keyword, data: &Data<'_>) -> Result<Option<Vec<Condition>
     if !(1..=6).contains(&first) || !(first..=6).contains(&last) {
         return Ok(None);
     }
-    let value = real(keyword, data.line, field(3))?;
+    let value = finite(keyword, data.line, field(3))?;
     Ok(Some(vec![of([first, last], value)]))
 }
 

@@ -1,5 +1,5 @@
 //! Reads Gmsh MSH 4.1 and 2.2, text and binary, into vertices, cells, facets
-//! and named groups.
+//! and named groups, and writes the latter in text.
 //!
 //! Assumptions: cells of first or second order; hexahedra, wedges, pyramids and quadrangles are
 //! split ([`super::mesh`]). Of second order the
@@ -16,12 +16,14 @@ mod error;
 mod kind;
 mod v22;
 mod v41;
+mod write;
 
 #[cfg(test)]
 mod tests;
 
 pub use super::mesh::{CurvedEdge, MeshFile, MeshGroup};
 pub use error::{Fault, MshError, Position};
+pub use write::{WriteError, write};
 
 use super::mesh;
 use super::mesh::raw::{Block, RawMesh};

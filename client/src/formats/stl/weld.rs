@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-use super::{SurfaceFile, WELD, pick};
+use super::{SurfaceFile, pick};
 
 /// Cells of the grid, in what is welded: most points are near one cell only.
 const CELL: f64 = 8.0;
@@ -16,8 +16,9 @@ const PARTS: usize = 256;
 /// No vertex.
 const NONE: u32 = u32::MAX;
 
-/// The surface of facets with these corners.
-pub(super) fn weld(corners: &[[[f64; 3]; 3]]) -> SurfaceFile {
+/// The surface of facets with these corners, those nearer than `tolerance` of the diagonal of their
+/// box being one.
+pub(super) fn weld(corners: &[[[f64; 3]; 3]], tolerance: f64) -> SurfaceFile {
     let points = corners.as_flattened();
     let (low, high) = points.iter().fold(
         ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]),
@@ -26,7 +27,7 @@ pub(super) fn weld(corners: &[[[f64; 3]; 3]]) -> SurfaceFile {
     let extent = pick(high, low, |high, low| high - low);
     let diagonal = extent.iter().map(|x| x * x).sum::<f64>().sqrt();
     let mut welder = Welder {
-        near: (WELD * diagonal).max(f64::MIN_POSITIVE),
+        near: (tolerance * diagonal).max(f64::MIN_POSITIVE),
         low,
         cells: HashMap::with_capacity_and_hasher(points.len() / 5, BuildHasherDefault::default()),
         earlier: Vec::with_capacity(points.len() / 5),

@@ -30,6 +30,14 @@ use super::mesh::MeshFile;
 
 pub use error::{Place, VtkError, VtkFault};
 
+/// The values of the first of the arrays `names` of the cells of a file in XML.
+///
+/// # Errors
+/// The first fault found, with its array.
+pub fn cell_values(bytes: &[u8], names: &[&'static str]) -> Result<Vec<f64>, VtkError> {
+    xml::cell_values(bytes, names)
+}
+
 /// Reads a mesh file.
 ///
 /// # Errors

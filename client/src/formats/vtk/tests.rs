@@ -1,6 +1,6 @@
 //! One mesh in every encoding, as VTK and meshio write it, and files that are wrong.
 
-use super::{Place, VtkError, VtkFault, read};
+use super::{Place, VtkError, VtkFault, cell_values, read};
 use crate::formats::mesh::{MeshFault, MeshFile};
 use crate::formats::{Notes, msh, vtu};
 
@@ -91,6 +91,29 @@ fn what_is_written_here_is_read_back_with_its_curved_edges() {
         let names: Vec<_> = groups(&ours).into_iter().map(|group| group.0).collect();
         assert_eq!(names, ["boundary", "body"]);
     }
+}
+
+#[test]
+fn values_of_cells_are_read_from_what_is_written_here() {
+    let bytes = std::fs::read(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/formats/ring2.msh"
+    ));
+    let mesh = msh::read(&bytes.unwrap()).unwrap();
+    let grid = vtu::Grid::new(mesh.vertices_per_cell, &mesh.coordinates, &mesh.cells).unwrap();
+    let values: Vec<f64> = (0..mesh.cell_count())
+        .map(|cell| 0.1 * cell as f64)
+        .collect();
+    let field = vtu::GridField {
+        name: "error_estimate",
+        components: 1,
+        values: &values,
+    };
+    let file = grid.write(&[field], &Notes::default()).unwrap();
+    let read = cell_values(&file, &["error_density", "error_estimate"]).unwrap();
+    assert_eq!(read, values);
+    let missing = cell_values(&file, &["jacobian"]).unwrap_err();
+    assert!(missing.to_string().contains("jacobian"), "{missing}");
 }
 
 fn text(from: &str, to: &str) -> Result<MeshFile, VtkError> {

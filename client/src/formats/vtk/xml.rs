@@ -16,6 +16,24 @@ const APPENDED: &[u8] = b"<AppendedData";
 
 /// The data set of a file.
 pub(super) fn dataset(bytes: &[u8]) -> Result<Dataset, VtkError> {
+    open(bytes, |file, root| file.dataset(root))
+}
+
+/// The values of the first of some arrays of the cells.
+pub(super) fn cell_values(bytes: &[u8], names: &[&'static str]) -> Result<Vec<f64>, VtkError> {
+    open(bytes, |file, root| {
+        let section = child(&piece(root)?, "CellData")?;
+        let missing = || VtkFault::Missing("the array").in_array(&names.join(" or "));
+        let mut arrays = names.iter().filter_map(|name| array(&section, name).ok());
+        file.reals(&arrays.next().ok_or_else(missing)?)
+    })
+}
+
+/// What `read` makes of a file and the root of its tree.
+fn open<T>(
+    bytes: &[u8],
+    read: impl FnOnce(&File<'_>, &Node<'_, '_>) -> Result<T, VtkError>,
+) -> Result<T, VtkError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let found = bytes
         .windows(APPENDED.len())
@@ -40,7 +58,7 @@ pub(super) fn dataset(bytes: &[u8]) -> Result<Dataset, VtkError> {
         packing: packing(&document.root_element(), bytes.len())?,
         appended: Appended::of(rest)?,
     };
-    file.dataset(&document.root_element())
+    read(&file, &document.root_element())
 }
 
 fn packing(root: &Node<'_, '_>, file_bytes: usize) -> Result<Packing, VtkError> {
@@ -125,18 +143,25 @@ fn array<'a, 'b>(section: &Node<'a, 'b>, name: &'static str) -> Result<Node<'a, 
     found.ok_or_else(|| VtkFault::Missing("the array").in_array(name))
 }
 
+/// The one piece of a file.
+fn piece<'a, 'b>(root: &Node<'a, 'b>) -> Result<Node<'a, 'b>, VtkError> {
+    let grid = child(root, "UnstructuredGrid")?;
+    let filled = |piece: &Node<'_, '_>| piece.attribute("NumberOfCells") != Some("0");
+    let mut pieces = children(&grid, "Piece").filter(filled);
+    let piece = pieces
+        .next()
+        .ok_or_else(|| VtkFault::Missing("Piece").whole())?;
+    if pieces.next().is_some() {
+        let what = "several pieces: merge them into one".to_owned();
+        return Err(VtkFault::Unsupported(what).whole());
+    }
+    Ok(piece)
+}
+
 impl File<'_> {
     fn dataset(&self, root: &Node<'_, '_>) -> Result<Dataset, VtkError> {
         let grid = child(root, "UnstructuredGrid")?;
-        let filled = |piece: &Node<'_, '_>| piece.attribute("NumberOfCells") != Some("0");
-        let mut pieces = children(&grid, "Piece").filter(filled);
-        let piece = pieces
-            .next()
-            .ok_or_else(|| VtkFault::Missing("Piece").whole())?;
-        if pieces.next().is_some() {
-            let what = "several pieces: merge them into one".to_owned();
-            return Err(VtkFault::Unsupported(what).whole());
-        }
+        let piece = piece(root)?;
         let points = child(&child(&piece, "Points")?, "DataArray")?;
         let cells = child(&piece, "Cells")?;
         let mut dataset = Dataset {

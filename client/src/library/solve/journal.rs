@@ -21,7 +21,7 @@ use crate::library::error::{ClientError, Refusal};
 #[derive(Clone, Debug)]
 pub(super) enum Order {
     /// An update with its sequence.
-    Update(i64, Request),
+    Update(i64, Box<Request>),
     /// Cancels a sequence, 0 for the one that runs.
     Cancel(i64),
 }
@@ -98,7 +98,10 @@ impl Journal {
         match order {
             Order::Update(sequence, request) if sequence == self.tail + 1 => {
                 self.tail = sequence;
-                self.updates.push_back(Update { sequence, request });
+                self.updates.push_back(Update {
+                    sequence,
+                    request: *request,
+                });
                 None
             }
             Order::Update(sequence, _) => Some(gap(sequence, self.tail + 1)),

@@ -20,6 +20,9 @@ pub struct Attach {
     /// What a broken connection means for the step that runs. With
     /// `CANCEL_STEP` a break cancels it, and updates after it are sent again.
     pub on_disconnect: v1::DisconnectPolicy,
+    /// How long the server waits for another connection before a break cancels; zero: not at
+    /// all.
+    pub disconnect_grace: Duration,
     /// How long a broken connection is tried again, with pauses of 50 ms that
     /// double to 2 s; zero: never. Results of a break have the fields of the
     /// scene's output only.
@@ -34,6 +37,7 @@ impl Default for Attach {
             fields: Vec::new(),
             iteration_interval: None,
             on_disconnect: v1::DisconnectPolicy::Unspecified,
+            disconnect_grace: Duration::ZERO,
             patience: PATIENCE,
         }
     }

@@ -66,6 +66,7 @@ impl Source {
 
     async fn solve(&self, attach: &Attach, seen: Option<i64>) -> Result<Link, Stop> {
         let (requests, outgoing) = mpsc::channel(QUEUE);
+        let grace = Some(attach.disconnect_grace).filter(|grace| !grace.is_zero());
         let open = Request::Open(v1::SolveOpen {
             session: self.session.clone(),
             last_seen_event: seen,
@@ -74,6 +75,7 @@ impl Source {
             max_unread_bytes: 0,
             on_disconnect: attach.on_disconnect.into(),
             iteration_interval: wire(attach.iteration_interval, "the iteration interval")?,
+            disconnect_grace: wire(grace, "the time to come back")?,
         });
         // Queued before the call: the server's answer waits for it.
         let queued = requests.send(request(open)).await;

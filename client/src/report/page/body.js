@@ -64,29 +64,3 @@ function rimOf(triangles) {
   }
   return [...once.values()].filter(Boolean).flat();
 }
-
-// Stretches of a section's rim under pressure, the longest first: {from, length, points: [{x, y, name}]},
-// x the way along the deformed rim. Values are coded by 16 bits, so that the smallest count as none.
-function pressedPaths(body, rim, pressure) {
-  const place = (node) => [0, 1].map((i) => body.points[3 * node + i] + body.shift[3 * node + i]);
-  const least = 1e-4 * pressure.reduce((most, value) => Math.max(most, value), 0);
-  const next = new Map();
-  for (let i = 0; i < rim.length; i += 2) {
-    if (pressure[rim[i]] > least || pressure[rim[i + 1]] > least) next.set(rim[i], rim[i + 1]);
-  }
-  const ends = new Set(next.values());
-  const paths = [];
-  for (const first of [...[...next.keys()].filter((node) => !ends.has(node)), ...next.keys()]) {
-    let [node, way, points] = [first, 0, []];
-    const add = () => points.push({ x: way, y: pressure[node], name: `(${place(node).map((x) => num(x)).join(", ")})` });
-    for (add(); next.has(node); add()) {
-      const [from, to] = [place(node), place(next.get(node))];
-      way += Math.hypot(to[0] - from[0], to[1] - from[1]);
-      const before = node;
-      node = next.get(node);
-      next.delete(before);
-    }
-    if (points.length > 1) paths.push({ from: place(first), length: way, points });
-  }
-  return paths.sort((a, b) => b.length - a.length);
-}

@@ -55,7 +55,7 @@ function decades(low, high, wanted) {
   return all;
 }
 
-// spec: {title, note, x, y, log, bars, limit, points: [{x, y, error, name}]}
+// spec: {title, note, x, y, log, bars, limit, points: [{x, y, error, name}], other: [{x, y}]}
 function chart(spec) {
   const svg = shape("svg", { role: "img", "aria-label": `${spec.title}: ${spec.y} against ${spec.x}` });
   const readout = el("div", { class: "readout" });
@@ -90,9 +90,10 @@ function drawChart(svg, readout, spec, width, height) {
   const points = spec.points;
   const heights = points.flatMap((p) => (p.error > 0 ? [p.y - p.error, p.y + p.error] : [p.y]));
   if (spec.limit) heights.push(spec.limit);
+  if (spec.other) heights.push(...spec.other.map((p) => p.y));
   if (spec.bars) heights.push(0);
   const [low, high] = range(heights, spec.log);
-  const [left, right] = range(points.map((p) => p.x), false);
+  const [left, right] = range([...points, ...(spec.other || [])].map((p) => p.x), false);
   const marks = spec.log ? decades(low, high, 6) : ticks(low, high, 5);
   const gutter = 14 + 7 * Math.max(...marks.map((mark) => num(mark).length));
   const box = { left: gutter, right: width - 10, top: 22, bottom: height - 36 };
@@ -115,6 +116,7 @@ function drawChart(svg, readout, spec, width, height) {
   add("text", { x: box.right, y: height - 4, "text-anchor": "end" }, spec.x);
   add("text", { x: 0, y: 12 }, spec.y);
   if (spec.limit) add("line", { class: "limit", x1: box.left, x2: box.right, y1: sy(spec.limit), y2: sy(spec.limit) });
+  if (spec.other) add("polyline", { class: "limit", fill: "none", points: spec.other.map((p) => `${sx(p.x).toFixed(1)},${sy(p.y).toFixed(1)}`).join(" ") });
   drawCurve(add, spec, points, sx, sy, box);
   listen(svg, readout, spec, points, sx, width);
 }

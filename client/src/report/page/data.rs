@@ -6,14 +6,24 @@ use serde::Serialize;
 use serde_json::Value;
 use signorini_proto::v1;
 
+use super::fluid::{self, Leak, Wet};
 use super::lines::{Interval, Iteration, Lines, Obstacle, Step, Support, Warning};
 use super::surface::Picture;
+use crate::report::path_csv;
 use crate::report::table::{self, cause};
 use crate::report::travel::Travels;
 
 /// Increments, and points of the residual, that a page shows at most.
 const MOST_STEPS: usize = 500;
 const MOST_POINTS: usize = 3000;
+/// Points that it shows of the pressure along one interval at most.
+const MOST_PATH_POINTS: usize = 1000;
+
+/// Difference of equal times, in steps.
+const SAME_TIME: f64 = 1e-9;
+
+/// Rows along the surface by obstacle and interval.
+type Paths = BTreeMap<(String, usize), Vec<path_csv::Row>>;
 
 /// The whole page.
 #[derive(Debug, Serialize)]
@@ -29,6 +39,20 @@ pub(super) struct Page {
     warnings: Vec<String>,
     convergence: Vec<Point>,
     picture: Option<Picture>,
+    /// Of the last increment with fields, the longest first.
+    paths: Vec<Path>,
+    /// Of the same increment.
+    leaks: Vec<Leak>,
+}
+
+/// Contact pressure along an interval of contact.
+#[derive(Debug, Serialize)]
+struct Path {
+    obstacle: String,
+    interval: usize,
+    length: f64,
+    /// Arc length, pressure, place x, y.
+    points: Vec<[f64; 4]>,
 }
 
 /// One increment.
@@ -60,6 +84,7 @@ struct Row {
     obstacles: BTreeMap<String, Pressed>,
     supports: BTreeMap<String, Reaction>,
     probes: BTreeMap<String, (Vec<f64>, Option<f64>)>,
+    fluids: BTreeMap<String, Wet>,
 }
 
 /// An obstacle in one increment.
@@ -97,8 +122,11 @@ struct Reaction {
 type Point = (i64, f64, String);
 
 /// The page of a run.
-pub(super) fn of(lines: &Lines, picture: Option<Picture>) -> Page {
+pub(super) fn of(lines: &Lines, picture: Option<Picture>, paths: Paths) -> Page {
     let travels = travels(&lines.steps);
+    let time = shown(lines, picture.as_ref());
+    let mut steps = lines.steps.iter().rev();
+    let drawn = steps.find(|step| (step.time - time).abs() < SAME_TIME);
     Page {
         version: env!("CARGO_PKG_VERSION"),
         plan: lines.plan.clone(),
@@ -109,8 +137,33 @@ pub(super) fn of(lines: &Lines, picture: Option<Picture>) -> Page {
         step_count: lines.steps.len(),
         warnings: warnings(lines),
         convergence: convergence(&lines.iterations),
+        paths: longest_first(paths, time),
+        leaks: drawn.map(fluid::leaks).unwrap_or_default(),
         picture,
     }
+}
+
+/// Time of the increment whose fields are shown.
+fn shown(lines: &Lines, picture: Option<&Picture>) -> f64 {
+    let last = lines.steps.last().map_or(0.0, |step| step.time);
+    picture.map_or(last, |picture| picture.time)
+}
+
+/// The paths of that time: none where contact had ended by then.
+fn longest_first(mut paths: Paths, time: f64) -> Vec<Path> {
+    paths.retain(|_, rows| rows.iter().all(|row| (row.time - time).abs() < SAME_TIME));
+    let path = |((obstacle, interval), rows): ((String, usize), Vec<path_csv::Row>)| Path {
+        obstacle,
+        interval,
+        length: rows.last().map_or(0.0, |row| row.arc_length)
+            - rows.first().map_or(0.0, |row| row.arc_length),
+        points: thinned(&rows, MOST_PATH_POINTS)
+            .map(|row| [row.arc_length, row.pressure, row.x, row.y])
+            .collect(),
+    };
+    let mut paths: Vec<Path> = paths.into_iter().map(path).collect();
+    paths.sort_by(|a, b| b.length.total_cmp(&a.length));
+    paths
 }
 
 /// At most so many, evenly, the last one always.
@@ -169,6 +222,7 @@ fn row(step: &Step, travels: &Travels) -> Row {
             .iter()
             .map(|(name, probe)| (name.clone(), (probe.displacement.clone(), probe.pressure)))
             .collect(),
+        fluids: fluid::wet(&step.fluids),
     }
 }
 

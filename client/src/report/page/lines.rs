@@ -47,6 +47,7 @@ pub(super) struct Step {
     pub(super) obstacles: BTreeMap<String, Obstacle>,
     pub(super) supports: BTreeMap<String, Support>,
     pub(super) probes: BTreeMap<String, Probe>,
+    pub(super) fluids: BTreeMap<String, Fluid>,
     pub(super) error_estimate: Option<f64>,
     pub(super) seconds: Seconds,
 }
@@ -117,6 +118,30 @@ pub(super) struct Probe {
     #[serde(deserialize_with = "numbers")]
     pub(super) displacement: Vec<f64>,
     pub(super) pressure: Option<f64>,
+}
+
+/// A fluid.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Fluid {
+    pub(super) pressure: Option<f64>,
+    pub(super) tightness: String,
+    pub(super) blow_off_low: Option<f64>,
+    pub(super) blow_off_high: Option<f64>,
+    pub(super) wet_area: Option<f64>,
+    #[serde(deserialize_with = "numbers")]
+    pub(super) force: Vec<f64>,
+    pub(super) leak_path: Option<LeakPath>,
+}
+
+/// The path on which a fluid leaks first.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct LeakPath {
+    pub(super) margin: Option<f64>,
+    pub(super) margin_over_pressure: Option<f64>,
+    pub(super) sealed_width: Option<f64>,
+    pub(super) points: Vec<[f64; 3]>,
 }
 
 /// Where an obstacle is.

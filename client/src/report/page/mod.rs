@@ -1,12 +1,13 @@
 //! `report.html`: a folder of results as one page that needs no network.
 //!
-//! Made from what the folder holds: the result lines, and the last body and obstacles
-//! of its series. The page draws forces and convergence, and turns the surface in the
+//! Made from what the folder holds: the result lines, the last body and obstacles of its series,
+//! and the last pressures along the surface. The page draws forces and convergence, and turns the surface in the
 //! browser; surfaces too large for three megabytes are thinned. Cost: the lines are
 //! read once, and the last file of the body.
 
 mod data;
 mod encode;
+mod fluid;
 mod lines;
 mod shape;
 mod surface;
@@ -15,6 +16,7 @@ mod vtk;
 
 use std::path::{Path, PathBuf};
 
+use crate::report::path_csv;
 use crate::report::results::LINES;
 use crate::terminal::exit::{Exit, Failure};
 use crate::terminal::whole_file;
@@ -22,11 +24,12 @@ use crate::terminal::whole_file;
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 /// In the order in which they run.
-const SCRIPTS: [&str; 5] = [
+const SCRIPTS: [&str; 6] = [
     include_str!("chart.js"),
     include_str!("body.js"),
     include_str!("view.js"),
     include_str!("parts.js"),
+    include_str!("fluid.js"),
     include_str!("page.js"),
 ];
 
@@ -45,7 +48,8 @@ pub(crate) fn write(folder: &Path) -> Result<PathBuf, Failure> {
         Failure::new(Exit::Invalid, format!("{place}: {fault}"))
     })?;
     let picture = surface::last_picture(folder);
-    let page = page(&data::of(&lines, picture))?;
+    let paths = path_csv::last(folder);
+    let page = page(&data::of(&lines, picture, paths))?;
     let path = path(folder);
     whole_file::write(&path, page.as_bytes())
         .map_err(|error| Failure::unwritable(&path, &error))?;

@@ -1,6 +1,6 @@
 // Puts the page together.
 
-// Stretches under pressure that have a chart of their own.
+// Intervals of contact that have a chart of their own.
 const MOST_PATHS = 4;
 
 function pick(name, options, chosen, change) {
@@ -38,7 +38,8 @@ function stage(title) {
 }
 
 // The whole body as it is deformed.
-function shapeView(picture, body, ring) {
+function shapeView(data, body, ring) {
+  const { picture } = data;
   const { canvas, scale, controls, figure, ruler } = stage("Deformed body");
   const view = new View(canvas, picture.dimension === 2 ? "y" : "z");
   view.ruler = ruler;
@@ -67,6 +68,8 @@ function shapeView(picture, body, ring) {
   if (ring) controls.append(el("label", {}, el("input", { type: "checkbox", checked: true, change: (event) => { turns = event.target.checked; show(); } }), "full turn"));
   show();
   for (const one of picture.obstacles) view.add(numbers(one.points), indices(one.triangles));
+  for (const leak of data.leaks) view.addLine(leak.points);
+  if (data.leaks.length) controls.append(el("span", { class: "leak small" }, `where ${data.leaks.map((leak) => leak.fluid).join(", ")} leaks first`));
   return figure;
 }
 
@@ -95,15 +98,14 @@ function contactView(picture, body, last, kind) {
   return figure;
 }
 
-// Pressure against the way along the surface, for the longest stretches under pressure.
-function pathCharts(picture, body) {
-  const field = ["contact_pressure", "contact_pressure_deformed"].find((name) => body.values[name]);
-  if (!field || !picture.rim) return [];
-  const paths = pressedPaths(body, [...indices(picture.rim)], body.values[field]);
+// Pressure against the arc length, for the longest intervals of contact.
+function pathCharts({ paths }) {
   const charts = paths.slice(0, MOST_PATHS).map((path) => chart({
-    title: "Pressure along the surface", note: `from ${vector(path.from)}`,
-    x: named("way along the deformed surface", unit("length")), y: named("pressure", unit("stress")), points: path.points }));
-  const left = paths.length > MOST_PATHS ? [el("p", { class: "dim small" }, `${paths.length - MOST_PATHS} shorter stretches are left out.`)] : [];
+    title: `Pressure of ${path.obstacle} along the surface`, note: paths.length > 1 ? `interval from ${vector(path.points[0].slice(2))}` : "",
+    x: named("arc length", unit("length")), y: named("pressure", unit("stress")),
+    points: path.points.map(([x, y, ...place]) => ({ x, y, name: vector(place) })) }));
+  const left = paths.length > MOST_PATHS
+    ? [el("p", { class: "dim small" }, `${paths.length - MOST_PATHS} shorter intervals are in contact_path.csv beside this page.`)] : [];
   return charts.length ? [el("div", { class: "charts" }, charts), ...left] : [];
 }
 
@@ -117,8 +119,8 @@ function pictures(data, last) {
   const hint = "Drag to turn, shift and drag to move, pinch or (once clicked) wheel to zoom; arrows, + and - too.";
   const thinned = kept < whole ? ` The surface is thinned from ${whole} to ${kept} points; the files beside this page hold all.` : "";
   return [el("h2", {}, "Body and contact"),
-    el("div", { class: "views" }, shapeView(picture, body, ring), contactView(picture, body, last, kind)),
-    el("p", { class: "dim small" }, hint + thinned), ...pathCharts(picture, body)];
+    el("div", { class: "views" }, shapeView(data, body, ring), contactView(picture, body, last, kind)),
+    el("p", { class: "dim small" }, hint + thinned), ...pathCharts(data)];
 }
 
 function page(data) {
@@ -126,7 +128,7 @@ function page(data) {
   UNITS = (data.plan && data.plan.units) || {};
   const last = steps[steps.length - 1];
   const drawn = data.picture && (steps.filter((row) => Math.abs(row.time - data.picture.time) < 1e-9).pop() || last);
-  return [head(data, last), cards(last), warnings(data), forces(steps, last), pictures(data, drawn), convergence(data),
+  return [head(data, last), cards(last), warnings(data), forces(steps, last), fluidCharts(steps, last), pictures(data, drawn), convergence(data),
     increments(data), intervals(last), reactions(last), ran(data, last),
     el("p", { class: "dim small" }, `Signorini ${data.version}. The same numbers are in results.csv and results.jsonl, the fields in the files for ParaView.`)].flat();
 }

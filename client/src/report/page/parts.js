@@ -42,6 +42,7 @@ function head(data, last) {
     el("header", {}, el("h1", {}, name),
       el("span", { class: `verdict ${good ? "good" : "bad"}` }, words(last.termination) + (last.cause ? `: ${words(last.cause)}` : ""))),
     el("p", { class: "dim" }, facts.filter(Boolean).join(" · ")),
+    ...verdicts(last),
     last.why ? el("p", {}, `Why: ${last.why}`) : null,
     last.place && last.place.point.length ? el("p", {}, `Where: at ${vector(last.place.point)}` +
       (last.place.motion.length ? `, along ${vector(last.place.motion)}` : "")) : null,
@@ -61,6 +62,7 @@ function cards(last) {
   for (const [name, [motion, pressure]] of Object.entries(last.probes)) {
     all.push(card(`probe ${name}`, vector(motion), "displacement", pressure == null ? null : `pressure ${num(pressure)}`));
   }
+  for (const [name, one] of Object.entries(last.fluids)) all.push(card(...fluidCard(name, one)));
   if (last.error != null) all.push(card("error estimate", percent(last.error), "of the deformation, in energy: what the mesh leaves out"));
   if (Object.keys(last.obstacles).length) {
     all.push(card("penetration", behind(num(last.penetration), unit("length")), "at most, between nodes: it shrinks with the mesh size"));

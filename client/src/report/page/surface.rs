@@ -37,7 +37,7 @@ const PARTS: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
 pub(super) struct Picture {
     /// 2 for a section, 3 for a solid.
     dimension: usize,
-    time: f64,
+    pub(super) time: f64,
     /// Nodes before and after thinning.
     nodes: [usize; 2],
     /// Undeformed, [nodes, 3].

@@ -107,6 +107,75 @@ fn a_page_holds_the_numbers_and_the_surface_of_its_folder() {
 }
 
 #[test]
+fn a_page_has_the_pressures_along_the_surface_of_the_increment_that_it_shows() {
+    let folder = folder("paths");
+    write_results(&folder, "ball", "block");
+    let head = "step,increment,time,obstacle,interval,arc_length,pressure,x,y\n";
+    let shown = "1,1,1.0,ball,0,0.5,2.0,3.0,4.0\n1,1,1.0,ball,0,0.75,1.0,3.25,4.0\n";
+    for (rows, count) in [(shown, 1), ("1,1,0.5,ball,0,0.5,2.0,3.0,4.0\n", 0)] {
+        std::fs::write(folder.join(path_csv::FILE), format!("{head}{rows}")).unwrap();
+        let page = std::fs::read_to_string(write(&folder).unwrap()).unwrap();
+        let paths = data(&page)["paths"].clone();
+        assert_eq!(paths.as_array().unwrap().len(), count, "{paths}");
+        if count == 1 {
+            assert_eq!(
+                (&paths[0]["obstacle"], &paths[0]["length"]),
+                (&"ball".into(), &0.25.into())
+            );
+            assert_eq!(
+                paths[0]["points"][1],
+                serde_json::json!([0.75, 1.0, 3.25, 4.0])
+            );
+        }
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_page_says_whether_a_fluid_leaks_and_where() {
+    let folder = folder("fluids");
+    let mut tight = report("ball");
+    tight.termination = v1::Termination::Converged.into();
+    let path = v1::LeakPath {
+        margin: 3.5,
+        margin_over_pressure: 1.5,
+        sealed_width: 0.25,
+        points: vec![0.0, 0.0, 0.0, 1.0, 2.0, 0.0],
+        pressures: vec![0.0, 3.5],
+    };
+    let water = v1::FluidResult {
+        pressure: 2.0,
+        tightness: v1::Tightness::Tight.into(),
+        force: vec![0.0, -1.0, 0.0],
+        leak_path: Some(path),
+        ..Default::default()
+    };
+    tight.fluids = BTreeMap::from([("water".to_owned(), water)]);
+    let mut leaks = tight.clone();
+    (leaks.increment, leaks.time) = (2, 2.0);
+    let water = leaks.fluids.get_mut("water").unwrap();
+    water.tightness = v1::Tightness::Leaks.into();
+    (water.blow_off_low, water.blow_off_high) = (Some(3.0), Some(3.03));
+    let lines = [&tight, &leaks].map(|report| format!("{}\n", result_line::step(report)));
+    std::fs::write(folder.join(LINES), lines.concat()).unwrap();
+    let page = std::fs::read_to_string(write(&folder).unwrap()).unwrap();
+    let data = data(&page);
+    let water = |step: usize| &data["steps"][step]["fluids"]["water"];
+    assert_eq!(
+        (&water(0)["leaks"], &water(0)["margin"]),
+        (&false.into(), &3.5.into())
+    );
+    assert_eq!(water(1)["bracket"], serde_json::json!([3.0, 3.03]));
+    let leak = &data["leaks"][0];
+    let points = serde_json::json!([[0.0, 0.0, 0.0], [1.0, 2.0, 0.0]]);
+    assert_eq!(
+        (&leak["fluid"], &leak["points"]),
+        (&"water".into(), &points)
+    );
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
 fn a_page_asks_for_nothing_and_no_name_ends_its_data() {
     let folder = folder("names");
     write_results(&folder, "</script><script>alert(1)", "{{script}}<b>");

@@ -36,6 +36,7 @@ class View {
     if (this.gl) this.program = this.compile();
     else this.flat = canvas.getContext("2d");
     this.extras = [];
+    this.lines = [];
     this.listen();
     new ResizeObserver(() => this.draw()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
@@ -100,6 +101,12 @@ class View {
     const none = new Float32Array(points.length);
     const rim = this.pack(points, none, rimOf(triangles));
     this.extras.push({ ...this.pack(points, none, triangles), rim });
+  }
+
+  // A line through points, over everything.
+  addLine(points) {
+    const segments = points.slice(1).flatMap((_, i) => [i, i + 1]);
+    this.lines.push(this.pack(points.flat(), new Float32Array(3 * points.length), segments));
   }
 
   colour(name) {
@@ -180,8 +187,25 @@ class View {
       gl.uniform4f(at("tint"), ...this.ink("--text"), 1);
       this.paintPart(part.rim, gl.LINES);
     }
+    gl.uniform4f(at("tint"), ...this.ink("--bad"), 1);
+    this.lines.forEach((part) => this.paintLine(part, at("target"), fit));
     gl.depthMask(true);
     gl.disable(gl.BLEND);
+  }
+
+  // Lines of WebGL are a pixel wide: drawn nine times, a pixel apart.
+  paintLine(part, target, fit) {
+    const { gl } = this;
+    const [right, up] = this.turn();
+    const [wide, high] = [2 / (fit[0] * this.canvas.width), 2 / (fit[1] * this.canvas.height)];
+    gl.disable(gl.DEPTH_TEST);
+    for (let i = 0; i < 9; i++) {
+      const [x, y] = [wide * ((i % 3) - 1), high * (Math.floor(i / 3) - 1)];
+      gl.uniform3fv(target, this.target.map((value, k) => value + x * right[k] + y * up[k]));
+      this.paintPart(part, gl.LINES);
+    }
+    gl.uniform3fv(target, this.target);
+    gl.enable(gl.DEPTH_TEST);
   }
 
   paintPart(part, kind) {
@@ -230,6 +254,20 @@ class View {
       flat.fill();
       flat.stroke();
     }
+    for (const { points } of this.lines) this.paintFlatLine(points, rows, fit);
+  }
+
+  paintFlatLine(points, rows, fit) {
+    const { flat, canvas, target } = this;
+    flat.strokeStyle = getComputedStyle(canvas).getPropertyValue("--bad").trim();
+    flat.lineWidth = 3;
+    flat.beginPath();
+    for (let i = 0; i < points.length; i += 3) {
+      const [x, y] = rows.map((row) => row.reduce((sum, value, k) => sum + value * (points[i + k] - target[k]), 0));
+      flat.lineTo(canvas.width / 2 + fit * x, canvas.height / 2 - fit * y);
+    }
+    flat.stroke();
+    flat.lineWidth = 1;
   }
 
   listen() {

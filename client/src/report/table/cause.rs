@@ -56,6 +56,10 @@ pub(crate) fn cause(cause: Cause) -> Option<&'static str> {
             "a cell is inside out between the points where stress is taken: mesh finer there, or \
              round the corner that presses"
         }
+        Cause::Leaks => {
+            "a fluid reaches what must stay dry: fluids.NAME.blow_off says at which pressure; close \
+             the seal before the pressure rises, or ask for `to blow-off`"
+        }
         Cause::ServerTimeLimit => {
             "the step took as long as any step may on this server (maximum_step_seconds): give it \
              more increments, or ask for a longer time"

@@ -2,6 +2,7 @@
 //! own behind `--verbose` and in plans.
 
 mod cause;
+mod fluid;
 mod increment;
 mod plan;
 mod rows;
@@ -60,6 +61,7 @@ pub(crate) fn results(
         lines.add("scene", &plan.name);
         increment::outcome(&mut lines, last);
         increment::loads(&mut lines, last, travels);
+        fluid::fluids(&mut lines, last);
         increment::quantities(&mut lines, last);
         if detail == Detail::Full {
             increment::solver(&mut lines, last);

@@ -2,6 +2,7 @@
 
 use signorini_proto::{v1, words};
 
+use super::fluid::verdict;
 use crate::report::travel::Travels;
 use crate::terminal::text::{number, one_line, percent, with_error};
 
@@ -35,23 +36,51 @@ impl Rows {
 /// What has a column, by the first increment.
 #[derive(Debug)]
 struct Columns {
-    /// Obstacles or, of a scene without any, supports that move, with their widths.
-    forces: Vec<(String, usize)>,
+    /// Obstacles or, of a scene without any, supports that move.
+    forces: Vec<Force>,
     /// Whether the error of the mesh is estimated.
     has_error: bool,
 }
 
+/// A column of forces.
+#[derive(Debug)]
+struct Force {
+    name: String,
+    /// The name, between bars where the magnitude is told.
+    label: String,
+    width: usize,
+}
+
+impl Force {
+    fn new(name: &str, is_along: bool, own: usize) -> Self {
+        let label = if is_along {
+            one_line(name).into_owned()
+        } else {
+            format!("|{}|", one_line(name))
+        };
+        Self {
+            name: name.to_owned(),
+            width: label.chars().count().max(own),
+            label,
+        }
+    }
+}
+
 impl Columns {
     fn of(report: &v1::StepReport, travels: &Travels) -> Self {
-        let wide =
-            |name: &String, own: usize| (name.clone(), one_line(name).chars().count().max(own));
         let mut forces: Vec<_> = report
             .obstacles
             .iter()
-            .map(|(name, one)| wide(name, one.force_error.map_or(ALONE, |_| WITH_ERROR)))
+            .map(|(name, one)| {
+                let own = one.force_error.map_or(ALONE, |_| WITH_ERROR);
+                Force::new(name, travels.has_travelled(name), own)
+            })
             .collect();
         if forces.is_empty() {
-            forces = travels.supports().map(|name| wide(name, ALONE)).collect();
+            let moved = travels.supports();
+            forces = moved
+                .map(|name| Force::new(name, travels.has_moved(name), ALONE))
+                .collect();
         }
         forces.truncate(MOST);
         Self {
@@ -69,8 +98,11 @@ impl Columns {
                 "obstacle"
             };
             text.push_str(&format!(
-                "force of each {of}: component along its motion, or magnitude if it rests\n"
+                "force of each {of}: component along its motion; |NAME|: magnitude, of one that rests\n"
             ));
+        }
+        if !report.obstacles.is_empty() {
+            text.push_str("touching: points of the surface in contact (vertices and edges)\n");
         }
         let hidden = report.obstacles.len().saturating_sub(MOST);
         if hidden > 0 {
@@ -79,8 +111,8 @@ impl Columns {
             ));
         }
         text.push_str("step incr");
-        for (name, width) in &self.forces {
-            text.push_str(&format!("  {:>width$}", one_line(name)));
+        for Force { label, width, .. } in &self.forces {
+            text.push_str(&format!("  {label:>width$}"));
         }
         if self.has_error {
             text.push_str("    error");
@@ -94,7 +126,7 @@ impl Columns {
 
     fn row(&self, report: &v1::StepReport, travels: &Travels) -> String {
         let mut text = format!("{:>4} {:>4}", report.step, report.increment);
-        for (name, width) in &self.forces {
+        for Force { name, width, .. } in &self.forces {
             let force = force(report, travels, name).unwrap_or_default();
             text.push_str(&format!("  {force:>width$}"));
         }
@@ -135,6 +167,9 @@ fn remarks(report: &v1::StepReport) -> String {
         remarks.push(words::termination(report.termination()).replace('_', " "));
     }
     remarks.extend(words::cause(report.cause()).map(|cause| cause.replace('_', " ")));
+    let leaks = report.fluids.iter();
+    let leaks = leaks.filter(|(_, fluid)| fluid.tightness() == v1::Tightness::Leaks);
+    remarks.extend(leaks.map(|(name, fluid)| format!("{} {}", one_line(name), verdict(fluid))));
     let mut kinds: Vec<String> = Vec::new();
     for warning in &report.warnings {
         let kind = one_line(&warning.kind).replace('_', " ");

@@ -97,6 +97,46 @@ fn finite_strain_says_how_far_cells_are_from_turning_inside_out() {
 }
 
 #[test]
+fn a_fluid_is_told_to_be_tight_or_between_which_pressures_it_leaks() {
+    let mut report = report();
+    assert!(!told(&[report.clone()], Detail::Short).contains("fluid"));
+    let water = v1::FluidResult {
+        pressure: 2.0,
+        tightness: v1::Tightness::Tight.into(),
+        wet_area: 0.5,
+        force: vec![0.0, -1.0, 0.0],
+        leak_path: Some(v1::LeakPath {
+            margin: 3.5,
+            margin_over_pressure: 1.5,
+            sealed_width: 0.25,
+            ..Default::default()
+        }),
+        rounds: 3,
+        ..Default::default()
+    };
+    report.fluids = BTreeMap::from([("water".to_owned(), water)]);
+    let text = told(&[report.clone()], Detail::Short);
+    for part in [
+        "fluid water        tight at pressure 2\n",
+        "margin 3.5, 1.5 above its pressure, which contact exceeds over a width of 0.25",
+        "wet area 0.5, force (0, -1, 0), its front found in 3 rounds",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let water = report.fluids.get_mut("water").unwrap();
+    water.tightness = v1::Tightness::Leaks.into();
+    (water.blow_off_low, water.blow_off_high) = (Some(2.0), Some(2.02));
+    let text = told(&[report.clone()], Detail::Short);
+    let said = "fluid water        leaks between pressures 2 and 2.02";
+    assert!(text.contains(said), "{text}");
+    let row = Rows::default().row(&report, &Travels::default());
+    assert!(
+        row.contains("water leaks between pressures 2 and 2.02"),
+        "{row}"
+    );
+}
+
+#[test]
 fn contact_says_how_far_it_extends_and_where_it_presses_most() {
     let mut report = report();
     assert!(!told(&[report.clone()], Detail::Short).contains("deformed area"));
@@ -151,7 +191,8 @@ fn every_increment_has_a_row_with_the_signed_force_and_what_is_unusual() {
     let (mut rows, report) = (Rows::default(), report());
     let travels = travels(&report);
     let first = rows.row(&report, &travels);
-    let [_, header, row] = first.lines().collect::<Vec<_>>().try_into().unwrap();
+    let [legend, _, header, row] = first.lines().collect::<Vec<_>>().try_into().unwrap();
+    assert!(legend.contains("along its motion; |NAME|: magnitude"));
     assert_eq!(
         header,
         "step incr                  ball    error touching  seconds"
@@ -159,6 +200,11 @@ fn every_increment_has_a_row_with_the_signed_force_and_what_is_unusual() {
     assert_eq!(
         row,
         "   1    2   0.017700 ± 0.000040    4.4 %        0    0.000  not converged, line search"
+    );
+    let resting = Rows::default().row(&report, &Travels::default());
+    assert!(
+        resting.contains("                |ball|    error"),
+        "{resting}"
     );
     let second = rows.row(&report, &travels);
     assert_eq!(second.trim_end(), row);
@@ -171,7 +217,7 @@ fn names_cannot_break_a_row() {
     let name = "b\u{1b}[2J\nall".to_owned();
     report.obstacles.insert(name, obstacle);
     let text = Rows::default().row(&report, &Travels::default());
-    assert_eq!(text.lines().count(), 3, "{text}");
+    assert_eq!(text.lines().count(), 4, "{text}");
     assert!(!text.contains('\u{1b}'));
     let told = told(&[report], Detail::Full);
     assert!(

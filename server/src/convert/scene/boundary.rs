@@ -13,10 +13,15 @@ const MAXIMUM_GROUPS: usize = 1000;
 
 fn surfaces(groups: Vec<String>, path: &str, faults: &mut Faults) -> Vec<String> {
     let path = format!("{path}.on");
-    faults.at_most(&groups, MAXIMUM_GROUPS, &path);
     if groups.is_empty() {
         faults.add(&path, "names no surface group");
     }
+    names(groups, path, faults)
+}
+
+/// Names of groups, possibly none; `path` is their key.
+pub(super) fn names(groups: Vec<String>, path: String, faults: &mut Faults) -> Vec<String> {
+    faults.at_most(&groups, MAXIMUM_GROUPS, &path);
     let names = groups.into_iter().take(MAXIMUM_GROUPS);
     names.map(|name| faults.name(&name, &path)).collect()
 }

@@ -2,6 +2,7 @@
 
 use std::io;
 use std::pin::Pin;
+use std::sync::Arc;
 use std::task::{Context, Poll, ready};
 use std::time::Duration;
 
@@ -13,11 +14,15 @@ use tonic::transport::server::Connected;
 
 use super::Guard;
 use crate::door::client_key::Peer;
+use crate::door::untaken::{Incoming, Untaken};
 use crate::watch::metrics::Away;
 
 /// Time in which a connection has to say that it speaks HTTP/2, and before it to end the
 /// handshake of transport security.
 pub(super) const HANDSHAKE: Duration = Duration::from_secs(10);
+
+/// Looks at the answers of a connection in the time that one may wait.
+const LOOKS: u32 = 4;
 
 /// Bytes of the preface of HTTP/2 and of the frame after it (RFC 9113, 3.4).
 const PREFACE_BYTES: usize = 24 + 9;
@@ -36,17 +41,37 @@ pub(crate) struct Connection {
     /// Until the client has begun.
     handshake: Option<Pin<Box<Sleep>>>,
     received: usize,
+    untaken: Arc<Untaken>,
+    /// When it looks at its answers again.
+    look: Pin<Box<Sleep>>,
 }
 
 impl Connection {
     pub(super) fn new(stream: Stream, peer: Peer, guard: Guard) -> Self {
+        let look = Box::pin(tokio::time::sleep(guard.door().untaken / LOOKS));
         Self {
             stream,
             peer,
             guard,
             handshake: Some(Box::pin(tokio::time::sleep(HANDSHAKE))),
             received: 0,
+            untaken: Arc::default(),
+            look,
         }
+    }
+
+    /// Fails when the client has left an answer untaken for too long.
+    fn check_answers(&mut self, context: &mut Context<'_>) -> io::Result<()> {
+        let most = self.guard.door().untaken;
+        while self.look.as_mut().poll(context).is_ready() {
+            if self.untaken.longest() >= most {
+                self.guard.door().turn_away(Away::Unread);
+                return Err(io::ErrorKind::TimedOut.into());
+            }
+            let next = tokio::time::Instant::now() + most / LOOKS;
+            self.look.as_mut().reset(next);
+        }
+        Ok(())
     }
 
     /// Fails when the client has not begun in time.
@@ -64,10 +89,13 @@ impl Connection {
 }
 
 impl Connected for Connection {
-    type ConnectInfo = Peer;
+    type ConnectInfo = Incoming;
 
-    fn connect_info(&self) -> Peer {
-        self.peer
+    fn connect_info(&self) -> Incoming {
+        Incoming {
+            peer: self.peer,
+            untaken: Arc::clone(&self.untaken),
+        }
     }
 }
 
@@ -91,6 +119,9 @@ impl AsyncRead for Connection {
             if self.received >= PREFACE_BYTES {
                 self.handshake = None;
             }
+        }
+        if read.is_pending() {
+            self.check_answers(context)?;
         }
         ready!(read)?;
         Poll::Ready(Ok(()))

@@ -23,6 +23,7 @@ use crate::config::Config;
 use crate::door::access::{Certificates, common_name};
 use crate::door::client_key::{ClientIdentity, ClientKey, Peer};
 use crate::process::limits;
+use crate::watch::lines::Whose;
 use crate::watch::metrics::{Away, Metrics};
 pub(crate) use connection::Connection;
 
@@ -37,6 +38,8 @@ pub(crate) struct Door {
     open: Mutex<HashMap<ClientIdentity, usize>>,
     most: usize,
     most_of_client: usize,
+    /// Time that a connection may leave an answer untaken.
+    untaken: Duration,
     /// Whether it has been told that a limit turns connections away.
     told: [AtomicBool; 2],
     metrics: Arc<Metrics>,
@@ -50,6 +53,7 @@ impl Door {
             most,
             // Never all: somebody else has to be able to come in.
             most_of_client: config.maximum_client_connections.min(most.div_ceil(2)),
+            untaken: 2 * config.unread_time(),
             told: Default::default(),
             metrics: Arc::clone(metrics),
         })
@@ -72,6 +76,11 @@ impl Door {
         Ok(Guard { door, client })
     }
 
+    /// Whether the log may take one more line about a connection that said no name.
+    fn may_tell(&self) -> bool {
+        self.metrics.may_tell_of(Whose::Strangers)
+    }
+
     pub(crate) fn turn_away(&self, why: Away) {
         self.metrics.turned_away(why.name());
         tracing::debug!(why = why.name(), "connection turned away");
@@ -79,7 +88,7 @@ impl Door {
         let (told, limit, key) = match why {
             Away::All => (all, self.most, "maximum_connections"),
             Away::Client => (client, self.most_of_client, "maximum_client_connections"),
-            Away::Silent | Away::Descriptors | Away::Handshake => return,
+            Away::Silent | Away::Descriptors | Away::Handshake | Away::Unread => return,
         };
         // Once: whoever is turned away may come again at once, the metric counts them.
         if !told.swap(true, Ordering::Relaxed) {
@@ -275,7 +284,9 @@ async fn shake_hands(
         }
         Err(error) => {
             guard.door().turn_away(Away::Handshake);
-            tracing::info!(%client, %error, "handshake failed");
+            if guard.door().may_tell() {
+                tracing::info!(%client, %error, "handshake failed");
+            }
             None
         }
     }

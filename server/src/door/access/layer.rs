@@ -19,6 +19,7 @@ use crate::door::layer::{Answer, AroundCall, Reply, Request, Response};
 use crate::door::refusal;
 use crate::door::request_id::RequestId;
 use crate::fault::Fault;
+use crate::watch::lines::Whose;
 use crate::watch::metrics::Metrics;
 
 const SCHEME: &str = "bearer ";
@@ -50,12 +51,14 @@ impl AroundCall for Authorize {
                 .as_ref()
                 .map_or_else(|_| Caller::nobody(), Clone::clone),
         };
-        let line = (effect == Effect::Changes).then(|| Line::new(who.clone(), &path));
-        request.extensions_mut().insert(who);
+        let line = || (effect == Effect::Changes).then(|| Line::new(who.clone(), &path));
         if let Err(fault) = admitted {
-            let refusal = self.refuse(fault);
+            let (refusal, is_told) = self.refuse(fault, client.identity);
+            let line = if is_told { line() } else { None };
             return Box::pin(async move { Ok(audited(refusal, line)) });
         }
+        let line = line();
+        request.extensions_mut().insert(who);
         let answer = inner(request);
         Box::pin(async move { Ok(audited(answer.await?, line)) })
     }
@@ -70,7 +73,12 @@ impl Authorize {
             (Some(_), Need::Nothing) => Caller::nobody(),
             (Some(tokens), Need::Role(needed)) => {
                 let tokens = tokens.sender.subscribe();
-                let entry = entry(&tokens.borrow(), request)?;
+                let found = entry(&tokens.borrow(), request);
+                let entry = found.or_else(|fault| {
+                    // Where it comes from is all that is known of it.
+                    self.count(request)?;
+                    Err(fault)
+                })?;
                 // Before the role is looked at: a refusal has a name, too.
                 name(request, entry.name());
                 check_role(&entry, needed)?;
@@ -78,17 +86,31 @@ impl Authorize {
             }
         };
         if matches!(need, Need::Role(_)) {
-            let peer = request.extensions().get::<Peer>();
-            let client = peer.unwrap_or(&Peer::UNKNOWN).client.identity;
-            self.rates.count(client, Instant::now())?;
+            self.count(request)?;
         }
         request.extensions_mut().insert(caller.clone());
         Ok(caller)
     }
 
-    fn refuse(&self, fault: Fault) -> Response {
-        refusal::record(&self.metrics, &fault);
-        Status::from(fault).into_http()
+    /// Counts a call against the rate of its client.
+    fn count(&self, request: &Request) -> Result<(), Fault> {
+        let peer = request.extensions().get::<Peer>();
+        let client = peer.unwrap_or(&Peer::UNKNOWN).client.identity;
+        self.rates.count(client, Instant::now())
+    }
+
+    /// The refusal of a call, and whether the log says it: that of a stranger where it has room,
+    /// that of a name always in its audit line.
+    fn refuse(&self, fault: Fault, client: ClientIdentity) -> (Response, bool) {
+        let is_named = matches!(client, ClientIdentity::Named(_));
+        let is_stranger = self.access.asks() && !is_named;
+        let whose = if is_stranger {
+            Whose::Strangers
+        } else {
+            Whose::Clients
+        };
+        let is_told = refusal::record_of(whose, &self.metrics, &fault);
+        (Status::from(fault).into_http(), is_told || !is_stranger)
     }
 }
 

@@ -10,6 +10,7 @@ mod audit;
 mod caller;
 mod files;
 mod layer;
+mod modes;
 mod owners;
 mod rate;
 mod reload;
@@ -17,6 +18,7 @@ mod role;
 mod table;
 mod tls;
 mod tokens;
+mod validity;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,15 +26,18 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 use crate::config::Config;
+use crate::watch::metrics::Metrics;
 pub(crate) use audit::Who;
 pub(crate) use caller::Caller;
 pub(crate) use layer::Authorize;
+pub(crate) use modes::loose;
 pub(crate) use owners::Owners;
 pub(crate) use rate::CallRates;
 pub(crate) use reload::watch as watch_files;
 pub use role::Role;
 pub(crate) use tls::{Certificates, common_name};
 pub use tokens::{Entry, NewToken, TokenFile};
+pub use validity::{CertificateEnd, certificate_ends, certificate_names};
 
 /// A file of tokens or certificates that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -82,6 +87,27 @@ impl Access {
             tokens: config.token_file().map(read).transpose()?,
             certificates: config.tls_files().map(certificates).transpose()?,
         })
+    }
+
+    /// Tells operators how long the certificates are good for.
+    pub(crate) fn tell_ends(&self, metrics: &Metrics) {
+        let Some(certificates) = &self.certificates else {
+            return;
+        };
+        // One that cannot be read was told of where it was read.
+        for found in certificates.ends().unwrap_or_default() {
+            metrics.certificate_expiry(found.certificate, found.end);
+            let (path, days) = (found.path.display().to_string(), found.days_left());
+            if found.is_near() {
+                tracing::warn!(
+                    path,
+                    days,
+                    "a certificate ends soon: `signorini certs init` renews it"
+                );
+            } else {
+                tracing::info!(path, days, "days that a certificate is good for");
+            }
+        }
     }
 
     pub(crate) fn certificates(&self) -> Option<Arc<Certificates>> {

@@ -8,12 +8,13 @@ use tokio::time::Interval;
 use super::files::Stamp;
 use super::{Access, TokenFile};
 use crate::process::hangup::Hangups;
+use crate::watch::metrics::Metrics;
 
 /// How often the files are looked at.
 const LOOK: Duration = Duration::from_secs(1);
 
 /// Rereads the files until it is dropped. A server that asks nobody has none.
-pub(crate) async fn watch(access: Access, mut hangups: Hangups) {
+pub(crate) async fn watch(access: Access, mut hangups: Hangups, metrics: Arc<Metrics>) {
     if access.tokens.is_none() && access.certificates.is_none() {
         return;
     }
@@ -23,11 +24,13 @@ pub(crate) async fn watch(access: Access, mut hangups: Hangups) {
     loop {
         let is_asked = next(&mut hangups, &mut ticks).await;
         let (access, before) = (access.clone(), std::mem::take(&mut seen));
+        let metrics = Arc::clone(&metrics);
         // A few small files, but whose disk may hang.
         let looked = tokio::task::spawn_blocking(move || {
             let stamps = access.stamps();
             if is_asked || stamps != before {
                 access.read_again();
+                access.tell_ends(&metrics);
             }
             stamps
         });

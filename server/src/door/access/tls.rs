@@ -12,12 +12,10 @@ use tokio_rustls::rustls::server::WebPkiClientVerifier;
 use tokio_rustls::rustls::{RootCertStore, ServerConfig};
 use x509_parser::parse_x509_certificate;
 
-use super::{AccessError, files};
+use super::{AccessError, CertificateEnd, files, validity};
 use crate::config::TlsFiles;
 use crate::door::client_name::ClientName;
 
-/// Longest file of certificates.
-const LONGEST_FILE: u64 = 4 << 20;
 /// What a connection speaks after its handshake.
 const PROTOCOL: &[u8] = b"h2";
 
@@ -53,6 +51,14 @@ impl Certificates {
         Arc::clone(&current)
     }
 
+    /// When they end, by the files as they are now.
+    ///
+    /// # Errors
+    /// [`AccessError`] for one that cannot be read or has ended.
+    pub(super) fn ends(&self) -> Result<Vec<CertificateEnd>, AccessError> {
+        validity::ends(&self.files)
+    }
+
     pub(super) fn paths(&self) -> impl Iterator<Item = &Path> {
         let TlsFiles {
             certificate,
@@ -65,8 +71,9 @@ impl Certificates {
 }
 
 fn configured(files: &TlsFiles) -> Result<ServerConfig, AccessError> {
+    validity::ends(files)?;
     let provider = Arc::new(ring::default_provider());
-    let chain = certificates(&files.certificate)?;
+    let chain = validity::certificates(&files.certificate)?;
     let key = key(&files.key)?;
     let versions = ServerConfig::builder_with_provider(Arc::clone(&provider))
         .with_safe_default_protocol_versions()
@@ -76,7 +83,7 @@ fn configured(files: &TlsFiles) -> Result<ServerConfig, AccessError> {
         Some(path) => {
             let wrong = |why: String| AccessError::new(path, why);
             let mut roots = RootCertStore::empty();
-            for root in certificates(path)? {
+            for root in validity::certificates(path)? {
                 roots.add(root).map_err(|error| wrong(error.to_string()))?;
             }
             let verifier = WebPkiClientVerifier::builder_with_provider(roots.into(), provider);
@@ -90,19 +97,8 @@ fn configured(files: &TlsFiles) -> Result<ServerConfig, AccessError> {
     Ok(config)
 }
 
-fn certificates(path: &Path) -> Result<Vec<CertificateDer<'static>>, AccessError> {
-    let text = files::read(path, LONGEST_FILE)?;
-    let all: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(text.as_bytes()).collect();
-    let all = all.map_err(|error| AccessError::new(path, error))?;
-    if all.is_empty() {
-        Err(AccessError::new(path, "holds no certificate"))
-    } else {
-        Ok(all)
-    }
-}
-
 fn key(path: &Path) -> Result<PrivateKeyDer<'static>, AccessError> {
-    let text = files::read(path, LONGEST_FILE)?;
+    let text = files::read(path, validity::LONGEST_FILE)?;
     PrivateKeyDer::from_pem_slice(text.as_bytes()).map_err(|error| AccessError::new(path, error))
 }
 

@@ -1,4 +1,8 @@
-//! The body of a request behind the gate: whole messages, each with its room.
+//! The body of a request behind the gate: whole messages, each with its room and its time.
+//!
+//! A message of a stream has to be there in time once its first byte is. The one message of a unary call has that time
+//! from the start of the call, and the end of the call has it after the message: who sends nothing
+//! holds a call no longer than who sends slowly.
 
 use std::future::Future;
 use std::pin::Pin;
@@ -20,8 +24,7 @@ use crate::process::limits::MESSAGE_BYTES;
 
 /// Before each message: a flag and the length (gRPC over HTTP/2).
 const PREFIX_BYTES: usize = 5;
-/// How long the bytes of a message may take, beside those of a slow line.
-const GRACE: Duration = Duration::from_secs(10);
+/// Of a slow line, which is given its time beside.
 const LEAST_BYTES_PER_SECOND: u64 = 64 << 10;
 /// A message from this size on is looked at and decoded beside what the runtime serves.
 const LARGE_BYTES: usize = 64 << 10;
@@ -61,6 +64,8 @@ pub(super) struct Gated {
     last: Vec<Permit>,
     collected: BytesMut,
     stage: Stage,
+    /// Until which the next message has to begin, or the call to end.
+    due: Option<Pin<Box<Sleep>>>,
 }
 
 impl Gated {
@@ -79,7 +84,28 @@ impl Gated {
             last: Vec::new(),
             collected: BytesMut::new(),
             stage: Stage::Between,
+            due: None,
         }
+    }
+
+    /// Whether what has to come next between two messages did not come in time.
+    fn is_late(&mut self, context: &mut Context<'_>) -> bool {
+        if self.kept.is_none() && self.collected.is_empty() {
+            // A stream may rest.
+            return false;
+        }
+        let time = self.gate.request_time;
+        let due = self
+            .due
+            .get_or_insert_with(|| Box::pin(tokio::time::sleep(time)));
+        due.as_mut().poll(context).is_ready()
+    }
+
+    /// Waits for the bytes of a message that has room.
+    fn collects(&self, size: usize, permit: Permit) -> Stage {
+        let slow = Duration::from_secs(size as u64 / LEAST_BYTES_PER_SECOND);
+        let time = self.gate.request_time + slow;
+        Stage::Collects(size, permit, Box::pin(tokio::time::sleep(time)))
     }
 
     /// The bytes of the next message with its prefix, when that has arrived.
@@ -123,10 +149,8 @@ impl Gated {
     }
 }
 
-/// Waits for the bytes of a message that has room.
-fn collects(size: usize, permit: Permit) -> Stage {
-    let slow = Duration::from_secs(size as u64 / LEAST_BYTES_PER_SECOND);
-    Stage::Collects(size, permit, Box::pin(tokio::time::sleep(GRACE + slow)))
+fn late() -> Fault {
+    Fault::request("message", "came too slowly")
 }
 
 /// Runs the look at a message of so many bytes. For a large one another thread takes over the
@@ -181,13 +205,17 @@ impl HttpBody for Gated {
                         this.stage = Stage::Passes;
                     }
                     Some(size) => {
+                        this.due = None;
                         this.stage = match this.gate.receive(this.client, size) {
-                            Entry::Room(permit) => collects(size, permit),
+                            Entry::Room(permit) => this.collects(size, permit),
                             Entry::Waits(room) => Stage::Waits(size, room),
                             Entry::Full(fault) => this.turn_away(fault),
                         };
                     }
                     None => {
+                        if this.is_late(context) {
+                            return this.fail(late());
+                        }
                         this.stage = Stage::Between;
                         if let Some(end) = ready!(this.collect(context)) {
                             return Poll::Ready(end);
@@ -200,7 +228,7 @@ impl HttpBody for Gated {
                         return Poll::Pending;
                     }
                     Poll::Ready(Err(fault)) => return this.fail(fault),
-                    Poll::Ready(Ok(permit)) => this.stage = collects(size, permit),
+                    Poll::Ready(Ok(permit)) => this.stage = this.collects(size, permit),
                 },
                 Stage::Refused(fault, mut clock) => match clock.as_mut().poll(context) {
                     Poll::Pending => {
@@ -220,7 +248,7 @@ impl HttpBody for Gated {
                     let is_late = clock.as_mut().poll(context).is_ready();
                     this.stage = Stage::Collects(size, permit, clock);
                     if is_late {
-                        return this.fail(Fault::request("message", "came too slowly"));
+                        return this.fail(late());
                     }
                     if let Some(end) = ready!(this.collect(context)) {
                         return Poll::Ready(end);
@@ -297,7 +325,7 @@ mod tests {
     #[tokio::test]
     async fn a_message_without_a_place_is_dropped_at_once_and_told_later() {
         let metrics = crate::watch::metrics::Metrics::new().unwrap();
-        let mut gate = Decode::new(0, &metrics).unwrap();
+        let mut gate = Decode::new(0, Duration::from_secs(10), &metrics).unwrap();
         Arc::get_mut(&mut gate).unwrap().patience = Duration::from_millis(50);
         let mut context = Context::from_waker(std::task::Waker::noop());
         let mut all = Vec::new();

@@ -128,6 +128,8 @@ pub(crate) struct Decode {
     waiting: Arc<Waiting>,
     /// How long a message waits for room, and one that was turned away for its answer.
     pub(super) patience: Duration,
+    /// In which a request has to be there, beside what a slow line takes.
+    pub(super) request_time: Duration,
     largest: u64,
     pub(super) shapes: Shapes,
     metrics: Arc<Metrics>,
@@ -145,6 +147,7 @@ fn held(permit: OwnedSemaphorePermit) -> Permit {
 impl Decode {
     pub(super) fn new(
         budget: u64,
+        request_time: Duration,
         metrics: &Arc<Metrics>,
     ) -> Result<Arc<Self>, prost::DecodeError> {
         let bytes = (budget / PART).clamp(LEAST_BYTES, MOST_BYTES);
@@ -153,6 +156,7 @@ impl Decode {
             small: Room::new(small),
             large: Room::new(bytes - small),
             patience: PATIENCE,
+            request_time,
             waiting: Arc::new(Waiting {
                 by_client: Mutex::default(),
                 most: (bytes - small) / WAITING_PART,
@@ -255,7 +259,7 @@ mod tests {
 
     #[tokio::test]
     async fn few_large_messages_wait_for_room_and_fewer_of_one_client() {
-        let gate = Decode::new(0, &Metrics::new().unwrap()).unwrap();
+        let gate = Decode::new(0, PATIENCE, &Metrics::new().unwrap()).unwrap();
         let all = (gate.large.units as u64 * UNIT_BYTES) as usize;
         let Entry::Room(taken) = gate.receive(user(1), all) else {
             panic!("nobody has anything");

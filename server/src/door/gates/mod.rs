@@ -9,6 +9,7 @@ mod plans;
 mod uploads;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 pub(crate) use decode::{Decode, WINDOW_BYTES};
 pub(crate) use layer::GateMessages;
@@ -25,9 +26,14 @@ pub(crate) struct Gates {
 }
 
 impl Gates {
-    pub(crate) fn new(budget: u64, metrics: &Arc<Metrics>) -> Result<Self, prost::DecodeError> {
+    /// Gates of a byte budget; requests have to be there in `time`.
+    pub(crate) fn new(
+        budget: u64,
+        time: Duration,
+        metrics: &Arc<Metrics>,
+    ) -> Result<Self, prost::DecodeError> {
         Ok(Self {
-            decode: Decode::new(budget, metrics)?,
+            decode: Decode::new(budget, time, metrics)?,
             plans: Plans::new(),
             uploads: Uploads::new(budget, metrics),
         })

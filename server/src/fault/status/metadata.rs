@@ -39,10 +39,14 @@ pub(super) fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
             let session = ("session", name.clone());
             std::iter::once(session).chain(cause).collect()
         }
+        Fault::UploadDamaged { kind, name, .. } => vec![(kind.name(), name.clone())],
         Fault::StateNotFound(name) => vec![("state", name.clone())],
-        Fault::Interrupted | Fault::Unwritable(_) => vec![("resumes", "true".to_owned())],
+        Fault::Interrupted | Fault::Unwritable(_) | Fault::StreamUnread { .. } => {
+            vec![("resumes", "true".to_owned())]
+        }
         Fault::SessionBusy { held_since, .. } => vec![("held_since", held_since.to_string())],
         Fault::StepNotFound { sequence, .. } => vec![("sequence", sequence.to_string())],
+        Fault::EventNotFound { newest, .. } => vec![("newest", newest.to_string())],
         Fault::SequenceGap { expected, .. } => vec![("expected", expected.to_string())],
         Fault::SequenceNotRetained { first, .. } => vec![("first", first.to_string())],
         Fault::MemoryBudget {

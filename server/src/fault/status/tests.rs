@@ -5,6 +5,14 @@ use tonic_types::StatusExt;
 use super::*;
 use crate::fault::{FailureCause, violation};
 
+fn damaged(kind: UploadKind, text: String) -> Fault {
+    Fault::UploadDamaged {
+        kind,
+        name: text.clone(),
+        why: text,
+    }
+}
+
 #[test]
 fn violations_travel_with_their_paths_and_the_rest_is_counted() {
     let all = (0..30)
@@ -63,7 +71,12 @@ fn following(fault: &Fault, text: &str) -> Option<Fault> {
             name: text,
             sequence,
         },
-        Fault::StepNotFound { .. } => Fault::SequenceGap {
+        Fault::StepNotFound { .. } => Fault::EventNotFound {
+            name: text,
+            seen: sequence,
+            newest: sequence,
+        },
+        Fault::EventNotFound { .. } => Fault::SequenceGap {
             received: sequence,
             expected: sequence,
         },
@@ -84,14 +97,20 @@ fn following(fault: &Fault, text: &str) -> Option<Fault> {
             limit: u64::MAX,
         },
         Fault::MessageLimit { .. } => Fault::StreamDeadline,
-        Fault::StreamDeadline => Fault::ShuttingDown,
+        Fault::StreamDeadline => Fault::StreamUnread { seconds: u64::MAX },
+        Fault::StreamUnread { .. } => Fault::ShuttingDown,
         Fault::ShuttingDown => Fault::Interrupted,
         Fault::Interrupted => Fault::Unwritable(text),
         Fault::Unwritable(_) => Fault::SessionDamaged {
             name: text.clone(),
             why: text,
         },
-        Fault::SessionDamaged { .. } => Fault::StateNotFound(text),
+        Fault::SessionDamaged { .. } => damaged(UploadKind::Mesh, text),
+        Fault::UploadDamaged { kind, .. } => match kind {
+            UploadKind::Mesh => damaged(UploadKind::Surface, text),
+            UploadKind::Surface => damaged(UploadKind::State, text),
+            UploadKind::State => Fault::StateNotFound(text),
+        },
         Fault::StateNotFound(_) => Fault::StateInvalid(text),
         Fault::StateInvalid(_) => Fault::Unauthenticated,
         Fault::Unauthenticated => Fault::PermissionDenied {

@@ -178,12 +178,7 @@ pub(in crate::journal) fn surface(
 pub(in crate::journal) fn surfaces(
     database: &Database,
 ) -> Result<Vec<(String, StoredSurface)>, JournalError> {
-    let read = database.begin_read()?;
-    match read.open_table(SURFACES) {
-        Err(redb::TableError::TableDoesNotExist(_)) => Ok(Vec::new()),
-        Err(error) => Err(error.into()),
-        Ok(_) => all(database, SURFACES),
-    }
+    all(database, SURFACES)
 }
 
 /// The imported states by digest.
@@ -208,8 +203,13 @@ fn all<M: prost::Message + Default>(
     table: TableDefinition<'_, &str, &'static [u8]>,
 ) -> Result<Vec<(String, M)>, JournalError> {
     let read = database.begin_read()?;
+    let table = match read.open_table(table) {
+        // Of a build that stored nothing of the kind.
+        Err(redb::TableError::TableDoesNotExist(_)) => return Ok(Vec::new()),
+        table => table?,
+    };
     let mut found = Vec::new();
-    for entry in read.open_table(table)?.iter()? {
+    for entry in table.iter()? {
         let (name, value) = entry?;
         let message = opened(value.value(), name.value())?;
         found.push((name.value().to_owned(), message));

@@ -9,12 +9,12 @@ use std::time::SystemTime;
 use prost::Message as _;
 use signorini_proto::v1 as wire;
 
-use super::{aside, unwritable};
+use super::{aside, damaged, unwritable};
 use crate::convert::surface::{self as convert, name};
 use crate::convert::uploaded::SurfacesByName;
 use crate::door::access::{Caller, Owners};
 use crate::door::client_key::ClientIdentity;
-use crate::fault::Fault;
+use crate::fault::{Fault, UploadKind};
 use crate::journal::{Change, Part, StoredSurface};
 use crate::session::Services;
 use crate::uploads::store::{Account, Reservation};
@@ -199,9 +199,15 @@ pub(crate) async fn surface(services: &Arc<Services>, digest: &str) -> Result<St
         let entry = journal.surface(&name(&digest)).map_err(unwritable)?;
         let bytes = journal.read_surface(&digest).map_err(unwritable)?;
         match (entry, bytes) {
-            (Some(entry), Some(bytes)) => read_file(&services, &digest, &entry, &bytes),
+            (Some(entry), Some(bytes)) => {
+                let found = read_file(&services, &digest, &entry, &bytes)?;
+                journal.have_surface(&digest, &bytes);
+                Ok(found)
+            }
             // A file alone was not acknowledged, as one of a mesh.
-            (None, _) | (_, None) => Err(missing),
+            (None, _) => Err(missing),
+            // It is dropped in a turn of its own.
+            (Some(_), None) => Err(damaged_surface(&services, &digest, "its file is gone")),
         }
     };
     aside(read).await?
@@ -224,19 +230,25 @@ fn read_file(
             .map_or(ClientIdentity::Unknown, ClientIdentity::Named),
         most: u64::MAX,
     };
-    let predicted = convert::bytes_of_file(bytes)?.saturating_add(bytes.len() as u64);
+    let wrong = |why: Fault| damaged_surface(services, digest, &why.to_string());
+    let predicted = convert::bytes_of_file(bytes).map_err(wrong)?;
+    let predicted = predicted.saturating_add(bytes.len() as u64);
     let surfaces = &services.surfaces;
     let reserved = surfaces.reserve(&services.store, (account, predicted))?;
-    let (found, surface) = convert::from_file(bytes)?;
+    let (found, surface) = convert::from_file(bytes).map_err(wrong)?;
     if found != digest {
-        let text = format!("the file of `{name}` holds another surface");
-        return Err(Fault::SurfaceInvalid(text));
+        let why = "its file holds another surface";
+        return Err(damaged_surface(services, digest, why));
     }
     let stored = Stored {
         surface,
         created: created(described.as_ref()),
     };
     Ok(surfaces.insert(found, (stored, owners), reserved))
+}
+
+fn damaged_surface(services: &Services, digest: &str, why: &str) -> Fault {
+    damaged(services, UploadKind::Surface, (&name(digest), why))
 }
 
 async fn entries(services: &Services) -> Result<Vec<(String, StoredSurface)>, Fault> {

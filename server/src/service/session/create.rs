@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use bytes::Bytes;
 use prost::Message;
 use signorini::Rounding;
 use signorini_proto::v1 as wire;
@@ -11,9 +10,9 @@ use signorini_proto::v1 as wire;
 use super::Sessions;
 use crate::convert::{mesh, report, step};
 use crate::door::access::Caller;
-use crate::door::client_key::ClientKey;
+use crate::door::client_key::{ClientIdentity, ClientKey};
 use crate::fault::Fault;
-use crate::journal::{Change, StoredSession};
+use crate::journal::{Change, StoredSave, StoredSession};
 use crate::registry::planning::{self, Planned};
 use crate::registry::{Claim, Claimed};
 use crate::session::{Handle, Recovered, SessionSpec};
@@ -30,7 +29,7 @@ impl Sessions {
     ) -> Result<wire::CreateSessionResponse, Fault> {
         self.registry.check_open()?;
         check_request(&request)?;
-        self.check_queue(client)?;
+        self.check_queue(client.identity)?;
         let ttl = step::duration(request.ttl.as_ref(), "ttl")?;
         let missing = || Fault::request("scene", "is required");
         let on_disconnect = request.on_disconnect();
@@ -43,7 +42,7 @@ impl Sessions {
         let scene = request.scene.ok_or_else(missing)?;
         planning::check_uploads(&self.services, &scene, &caller).await?;
         if request.validate_only {
-            let plan = self.plan(scene, client).await?.plan;
+            let plan = self.plan(scene, client.identity).await?.plan;
             let mut plan = report::plan(plan.report());
             if request.constants {
                 plan.constants = report::constants();
@@ -54,15 +53,17 @@ impl Sessions {
             });
         }
         // Before planning, so that a repeat meanwhile finds this request.
-        let claimed = self
-            .registry
-            .claim(&caller, &request.session_id, &request.request_id);
+        let claimed = self.registry.claim(
+            (&caller, client.identity),
+            &request.session_id,
+            &request.request_id,
+        );
         let claim = match claimed.await? {
             Claimed::Made(handle) => return created(&handle).await,
             Claimed::New(claim) => claim,
         };
         let kept = Arc::new(scene.clone());
-        let planned = self.plan(scene, client).await?;
+        let planned = self.plan(scene, client.identity).await?;
         let plan_report = report::plan(planned.plan.report());
         let own_bytes = planning::own_bytes(&kept, &plan_report);
         let result_bytes = planning::result_bytes(&planned);
@@ -94,13 +95,13 @@ impl Sessions {
     }
 
     /// A plan, when it is this client's turn.
-    async fn plan(&self, message: wire::Scene, client: ClientKey) -> Result<Planned, Fault> {
+    async fn plan(&self, message: wire::Scene, client: ClientIdentity) -> Result<Planned, Fault> {
         let _turn = self.services.gates.plans.turn(client).await;
         planning::plan(&self.services, message).await
     }
 
     /// Refuses a client that has too much waiting already.
-    fn check_queue(&self, client: ClientKey) -> Result<(), Fault> {
+    fn check_queue(&self, client: ClientIdentity) -> Result<(), Fault> {
         let limit = self.services.config.maximum_queued;
         if self.services.solvers.waiting(client) < limit {
             Ok(())
@@ -114,18 +115,26 @@ impl Sessions {
     async fn imported_state(
         &self,
         request: &mut wire::CreateSessionRequest,
-    ) -> Result<Option<Bytes>, Fault> {
+    ) -> Result<Option<StoredSave>, Fault> {
         if request.from_state.is_empty() {
             return Ok(None);
         }
         let journal = self.services.journal.as_ref();
-        let found = self.states.get(journal, &request.from_state).await?;
+        let found = self.states.get(journal, &request.from_state).await;
+        let found = found.inspect_err(|fault| {
+            if let Fault::UploadDamaged { kind, .. } = fault {
+                self.services.metrics.damaged(kind.name());
+            }
+        })?;
         if request.scene.is_none() {
             let scene = wire::Scene::decode(found.scene);
             let wrong = |_| Fault::StateInvalid("the state names no scene".to_owned());
             request.scene = Some(scene.map_err(wrong)?);
         }
-        Ok(Some(found.state))
+        Ok(Some(StoredSave {
+            state: found.state,
+            since: found.since,
+        }))
     }
 
     /// Puts a new session on disk, before anybody hears of it.
@@ -157,10 +166,10 @@ impl Sessions {
 }
 
 /// Where a session starts that goes on from the state of another one.
-fn start(planned: &Planned, state: Bytes) -> Result<Box<Recovered>, Fault> {
-    let checked = signorini::Session::check_import(&planned.plan, &state, Rounding::Same);
+fn start(planned: &Planned, from: StoredSave) -> Result<Box<Recovered>, Fault> {
+    let checked = signorini::Session::check_import(&planned.plan, &from.state, Rounding::Same);
     checked.map_err(|error| Fault::StateInvalid(error.to_string()))?;
-    Ok(Box::new(Recovered::at(state)))
+    Recovered::at(from).map(Box::new)
 }
 
 fn check_request(request: &wire::CreateSessionRequest) -> Result<(), Fault> {

@@ -1,16 +1,17 @@
-//! The pump of a stream: empties its outbox until that ends or the client leaves.
+//! The pump of a stream: empties its outbox until that ends, the client leaves, or takes nothing for
+//! too long: then the session is free for another stream, and what waited is given back.
 
 use std::future::Future;
 use std::sync::Arc;
-use std::time::Duration;
 
 use signorini_proto::v1::{self as wire, solve_response::Message};
 use tokio::sync::mpsc;
+use tokio::sync::mpsc::error::SendTimeoutError;
 use tonic::Status;
 use tracing::Instrument;
 
 use crate::fault::Fault;
-use crate::registry::Registry;
+use crate::registry::{Pace, Registry};
 use crate::results::outbox::{Next, StreamEnd};
 use crate::session::{Attachment, Command, Handle};
 use crate::watch::metrics::Metrics;
@@ -36,7 +37,7 @@ where
         let _open = open;
         if let Err(fault) = serving.await {
             registry.refused(&fault);
-            // The client may have left already.
+            // The client may have left already; one that takes nothing loses its connection.
             let _left = sender.send(Err(fault.into())).await;
         }
     };
@@ -75,17 +76,20 @@ impl Drop for Attached {
 }
 
 /// Sends, through `convert`, until the outbox ends or the client leaves.
+///
+/// # Errors
+/// Why the outbox has ended; `StreamUnread`.
 pub(super) async fn run<T>(
     attachment: &mut Attachment,
     sender: &Sender<T>,
-    heartbeat: Duration,
+    pace: Pace,
     metrics: &Metrics,
     convert: impl Fn(Message) -> Option<T>,
 ) -> Result<(), Fault> {
     loop {
         let (outbox, iterations) = (&attachment.outbox, &mut attachment.iterations);
         let next = tokio::select! {
-            next = outbox.next(iterations, heartbeat) => next,
+            next = outbox.next(iterations, pace.heartbeat) => next,
             () = sender.closed() => return Ok(()),
         };
         let message = match next {
@@ -100,8 +104,13 @@ pub(super) async fn run<T>(
         let Some(message) = message.and_then(&convert) else {
             continue;
         };
-        if sender.send(Ok(message)).await.is_err() {
-            return Ok(());
+        match sender.send_timeout(Ok(message), pace.unread).await {
+            Ok(()) => {}
+            Err(SendTimeoutError::Closed(_)) => return Ok(()),
+            Err(SendTimeoutError::Timeout(_)) => {
+                let seconds = pace.unread.as_secs();
+                return Err(Fault::StreamUnread { seconds });
+            }
         }
     }
 }

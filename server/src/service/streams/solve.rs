@@ -23,7 +23,7 @@ use crate::fault::Fault;
 use crate::fleet::Wish;
 use crate::registry::Registry;
 use crate::results::outbox::{Outbox, StreamEnd};
-use crate::session::{Command, Handle, OpenRequest, Role};
+use crate::session::{Command, Handle, OnDisconnect, OpenRequest, Role};
 
 const UNREAD_DEFAULT: i64 = 64 << 20;
 const UNREAD_LEAST: i64 = 1 << 20;
@@ -70,12 +70,12 @@ async fn serve(
     let reading = read(handle.clone(), (number, call.who), outbox, inbound);
     let _reader = Aborted(tokio::spawn(reading.in_current_span()));
     let attached = Attached::new(handle, number);
-    let (heartbeat, metrics) = (registry.heartbeat(), registry.metrics());
+    let (pace, metrics) = (registry.pace(), registry.metrics());
     let convert = |message| {
         let message = Some(message);
         Some(wire::SolveResponse { message })
     };
-    let pumping = pump::run(&mut attachment, &sender, heartbeat, metrics, convert);
+    let pumping = pump::run(&mut attachment, &sender, pace, metrics, convert);
     let ended = tokio::select! {
         ended = pumping => ended,
         () = passed(deadline) => Err(Fault::StreamDeadline),
@@ -124,10 +124,15 @@ async fn first_message(
     Ok((open.session.clone(), open_request(&open, role)?))
 }
 
-fn on_disconnect(open: &wire::SolveOpen) -> Result<wire::DisconnectPolicy, Fault> {
+fn on_disconnect(open: &wire::SolveOpen) -> Result<OnDisconnect, Fault> {
     let number = open.on_disconnect;
-    wire::DisconnectPolicy::try_from(number)
-        .map_err(|_| Fault::unsupported("open.on_disconnect", format!("number {number}")))
+    let policy = wire::DisconnectPolicy::try_from(number)
+        .map_err(|_| Fault::unsupported("open.on_disconnect", format!("number {number}")))?;
+    let grace = step::duration(open.disconnect_grace.as_ref(), "open.disconnect_grace")?;
+    Ok(OnDisconnect {
+        policy,
+        grace: grace.unwrap_or_default(),
+    })
 }
 
 fn open_request(open: &wire::SolveOpen, role: Role) -> Result<OpenRequest, Fault> {

@@ -35,8 +35,8 @@ async fn serve(
     let handle = registry.get(&caller, &request.name).await?;
     let mut attachment = handle.attach(open_request(&request)?).await?;
     let attached = Attached::new(handle, attachment.number);
-    let (heartbeat, metrics) = (registry.heartbeat(), registry.metrics());
-    let pumping = pump::run(&mut attachment, &sender, heartbeat, metrics, response);
+    let (pace, metrics) = (registry.pace(), registry.metrics());
+    let pumping = pump::run(&mut attachment, &sender, pace, metrics, response);
     let ended = tokio::select! {
         ended = pumping => ended,
         () = caller.revoked() => Err(Fault::Unauthenticated),

@@ -1,25 +1,29 @@
 //! The state of a session as bytes, between two steps: exported, saved, or gone back to.
 //!
-//! A solver thread makes or reads them; the session forgets what the solver has learnt, so the
-//! state is a checkpoint of the journal too, before anybody hears of it.
+//! What travels is how the state came about since the solver last knew nothing ([`Path`]), so that
+//! whoever goes on from it has the same bits, and the session goes on as if nobody had looked. A
+//! state that is gone back to is a checkpoint of the journal.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use bytes::Bytes;
+use signorini::Session;
 use tokio::sync::oneshot;
 
 use super::memory::lock;
-use super::{Actor, Loss, Place, answer};
+use super::saves::{Save, Saves};
+use super::{Actor, Loss, Path, Place, answer};
 use crate::compute::{Length, Panicked};
 use crate::fault::Fault;
 use crate::journal::{Change, StoredCheckpoint, StoredSave, Urgency};
-use crate::session::work::{Event, Exported, Handoff, Work};
+use crate::session::ledger::Ledger;
+use crate::session::replay;
+use crate::session::work::{Event, Exported, Handoff, Sight, Work};
 
 /// What somebody wants of the state.
 pub(super) enum Visit {
     /// Its bytes.
-    Export(oneshot::Sender<Result<Vec<u8>, Fault>>),
+    Export(oneshot::Sender<Result<StoredSave, Fault>>),
     /// It kept, and the number and the bytes of that.
     Save(oneshot::Sender<Result<(i64, u64), Fault>>),
     /// The kept one of that number in its place.
@@ -38,7 +42,7 @@ impl Visit {
 
 /// An answer that waits for the disk.
 pub(super) enum Visited {
-    Exported(oneshot::Sender<Result<Vec<u8>, Fault>>, Bytes),
+    Exported(oneshot::Sender<Result<StoredSave, Fault>>, StoredSave),
     Saved(oneshot::Sender<Result<(i64, u64), Fault>>, (i64, u64)),
     Restored(oneshot::Sender<Result<(), Fault>>),
 }
@@ -46,7 +50,7 @@ pub(super) enum Visited {
 impl Visited {
     fn answer(self, outcome: Result<(), Fault>) {
         match self {
-            Self::Exported(reply, state) => answer(reply, outcome.map(|()| state.to_vec())),
+            Self::Exported(reply, state) => answer(reply, outcome.map(|()| state)),
             Self::Saved(reply, save) => answer(reply, outcome.map(|()| save)),
             Self::Restored(reply) => answer(reply, outcome),
         }
@@ -60,6 +64,57 @@ pub(super) struct Visits {
     waiting: VecDeque<(i64, Visit)>,
     there: Vec<Visit>,
     done: Vec<(u64, Visited)>,
+}
+
+/// What a solver thread does with the state.
+enum Look {
+    /// Nothing but what every look does.
+    AtBytes,
+    /// Copies it.
+    AtAll,
+    /// Puts a saved one in its place, doing again what led there where there is no copy; what
+    /// that counts begins with the ledger.
+    Back(Box<Save>, Ledger),
+}
+
+impl Look {
+    fn at(self, work: &mut Work) -> Result<Sight, Fault> {
+        let (save, ledger) = match self {
+            Self::AtBytes => return Ok(Sight::default()),
+            Self::AtAll => {
+                let copy = Some(Arc::new(work.session.snapshot()));
+                return Ok(Sight {
+                    copy,
+                    ..Sight::default()
+                });
+            }
+            Self::Back(save, ledger) => (*save, ledger),
+        };
+        let (copy, ledger) = match save.copy {
+            Some(copy) => {
+                work.session.go_back(&copy);
+                (copy, save.ledger)
+            }
+            None => {
+                let ledger = led_back(&mut work.session, &save, ledger)?;
+                (Arc::new(work.session.snapshot()), Some(ledger))
+            }
+        };
+        Ok(Sight {
+            start: None,
+            copy: Some(copy),
+            ledger,
+        })
+    }
+}
+
+/// Does again what led to a saved state; a session that does not come there is as before.
+fn led_back(session: &mut Session, save: &Save, ledger: Ledger) -> Result<Ledger, Fault> {
+    let before = session.snapshot();
+    replay::redo(session, &save.stored, ledger).map_err(|why| {
+        session.go_back(&before);
+        Fault::StateInvalid(why.to_string())
+    })
 }
 
 impl Actor {
@@ -93,49 +148,55 @@ impl Actor {
             return false;
         };
         match self.next_visits() {
-            Some(restored) => self.send_state(work, restored),
+            Some(look) => self.send_state(work, look),
             None => self.place = Place::Home(work),
         }
         true
     }
 
     /// Lets the next ones to the state: those who only look at it together, who changes it
-    /// alone; the state that shall take its place. None where the only one was refused.
-    fn next_visits(&mut self) -> Option<Option<Bytes>> {
+    /// alone. None where the only one was refused.
+    fn next_visits(&mut self) -> Option<Look> {
         if let Some((_, Visit::Restore(number, _))) = self.visits.waiting.front() {
-            let (number, state) = (*number, self.saves.get(*number));
+            let (number, save) = (*number, self.saves.get(*number).cloned());
             let (_, visit) = self.visits.waiting.pop_front()?;
-            let Some(state) = state else {
+            let Some(save) = save else {
                 let name = format!("{} of {}", number, self.spec.name);
                 visit.refuse(Fault::StateNotFound(name));
                 return None;
             };
             self.visits.there = vec![visit];
-            return Some(Some(state));
+            let retained = self.services.config.retained_results;
+            return Some(Look::Back(Box::new(save), Ledger::new(retained)));
         }
         let is_look = |(_, visit): &(i64, Visit)| !matches!(visit, Visit::Restore(..));
+        let mut look = Look::AtBytes;
         while self.is_visit_due() && self.visits.waiting.front().is_some_and(is_look) {
-            let next = self.visits.waiting.pop_front();
-            self.visits.there.extend(next.map(|(_, visit)| visit));
+            let Some((_, visit)) = self.visits.waiting.pop_front() else {
+                break;
+            };
+            if matches!(visit, Visit::Save(_)) {
+                look = Look::AtAll;
+            }
+            self.visits.there.push(visit);
         }
-        Some(None)
+        Some(look)
     }
 
-    fn send_state(&self, mut work: Box<Work>, restored: Option<Bytes>) {
+    fn send_state(&self, mut work: Box<Work>, look: Look) {
         let (events, held) = (self.events.clone(), Arc::clone(&self.spec.reservation));
+        let is_from_rest = self.path.is_from_rest();
         self.services.solvers.submit(
             self.client.flow(self.number),
             Length::Short,
             move |_| {
-                let state = match restored {
-                    None => Ok(Bytes::from(work.session.export())),
-                    Some(state) => match work.session.restore(&state) {
-                        Ok(()) => Ok(state),
-                        Err(why) => Err(Fault::StateInvalid(why.to_string())),
-                    },
-                };
+                let mut sight = look.at(&mut work);
+                if let (true, Ok(sight)) = (is_from_rest, &mut sight) {
+                    let rest = Session::at_rest(work.session.plan());
+                    sight.start = Some(rest.into());
+                }
                 drop(held);
-                (work, state)
+                (work, sight)
             },
             move |outcome| {
                 // A session that is gone needs no state.
@@ -146,7 +207,7 @@ impl Actor {
 
     pub(super) fn exported(&mut self, outcome: Result<Exported, Panicked>) {
         let there = std::mem::take(&mut self.visits.there);
-        let (mut work, state) = match outcome {
+        let (mut work, sight) = match outcome {
             Ok(done) => done,
             Err(panicked) => {
                 tracing::error!(said = panicked.0, "an export panicked");
@@ -164,62 +225,92 @@ impl Actor {
             return;
         }
         self.place = Place::Home(work);
-        match state {
-            Ok(state) => self.visited(there, &state),
+        match sight {
+            Ok(sight) => self.visited(there, sight),
             Err(why) => there
                 .into_iter()
                 .for_each(|visit| visit.refuse(why.clone())),
         }
     }
 
-    /// Notes the state as a checkpoint, and keeps it where somebody wants that.
-    fn visited(&mut self, there: Vec<Visit>, state: &Bytes) {
+    /// Answers who was there, keeps the state where somebody wants that, and goes on from
+    /// another one where it is there.
+    fn visited(&mut self, there: Vec<Visit>, mut sight: Sight) {
+        if let Some(rest) = sight.start.take() {
+            self.path.start_at(rest);
+        }
+        for visit in there {
+            let visited = match visit {
+                Visit::Export(reply) => Visited::Exported(reply, self.path.save()),
+                Visit::Restore(number, reply) => {
+                    self.gone_back(number, &sight);
+                    Visited::Restored(reply)
+                }
+                Visit::Save(reply) => match self.save(&sight) {
+                    Ok(saved) => Visited::Saved(reply, saved),
+                    Err(why) => {
+                        answer(reply, Err(why));
+                        continue;
+                    }
+                },
+            };
+            // When the disk has all that led there.
+            self.visits.done.push((self.log.submitted(), visited));
+        }
+        self.account();
+        self.answer_exports();
+    }
+
+    /// The state is that of a saved one.
+    fn gone_back(&mut self, number: i64, sight: &Sight) {
+        let Some(save) = self.saves.get(number) else {
+            return;
+        };
+        let stored = save.stored.clone();
+        self.path = Path::of(&stored);
+        let retained = self.services.config.retained_results;
+        let ledger = sight.ledger.unwrap_or_else(|| Ledger::new(retained));
+        self.log.go_back(self.last_event, ledger);
+        if let Some(copy) = &sight.copy {
+            self.saves.note(number, sight.ledger, Arc::clone(copy));
+        }
         let checkpoint = StoredCheckpoint {
             event: self.last_event,
             sequence: self.last_finished,
             done: 0,
-            state: state.clone(),
+            state: stored.state,
+            since: stored.since,
         };
-        let mut changes = vec![Change::Checkpoint(checkpoint)];
-        let mut done = Vec::new();
-        for visit in there {
-            match visit {
-                Visit::Export(reply) => done.push(Visited::Exported(reply, state.clone())),
-                Visit::Restore(_, reply) => done.push(Visited::Restored(reply)),
-                Visit::Save(reply) => match self.save(state, &mut changes) {
-                    Ok(number) => done.push(Visited::Saved(reply, (number, state.len() as u64))),
-                    Err(why) => answer(reply, Err(why)),
-                },
-            }
-        }
-        let mark = self.record(changes, Urgency::Now);
-        let retained = self.services.config.retained_results;
-        self.log.fix(mark, self.last_event, retained);
-        let done = done.into_iter().map(|visited| (mark, visited));
-        self.visits.done.extend(done);
-        self.answer_exports();
+        self.record(vec![Change::Checkpoint(checkpoint)], Urgency::Now);
     }
 
-    /// Keeps a state, if there is memory for it; its number.
-    fn save(&mut self, state: &Bytes, changes: &mut Vec<Change>) -> Result<i64, Fault> {
-        let more = self
-            .saves
-            .bytes_with(state)
-            .saturating_sub(self.saves.bytes());
-        let held = self.held_bytes();
-        let grown = lock(&self.spec.reservation).resize(held + more);
-        grown.map_err(|lacking| Fault::MemoryBudget {
-            predicted: state.len() as u64,
-            held,
-            budget: (held + more).saturating_sub(lacking),
-        })?;
-        let number = self.saves.keep(state.clone());
-        let stored = StoredSave {
-            state: state.clone(),
+    /// Keeps a state, if there is memory for it; its number and its bytes.
+    fn save(&mut self, sight: &Sight) -> Result<(i64, u64), Fault> {
+        let mut save = Save {
+            stored: self.path.save(),
+            ledger: Some(self.log.ledger()),
+            copy: sight.copy.clone(),
         };
-        changes.push(Change::Save(number, stored));
-        changes.push(Change::DropSaves(self.saves.first()));
-        Ok(number)
+        let held = self.held_bytes();
+        let after = |saves: &Saves, save: &Save| held - saves.bytes() + saves.bytes_with(save);
+        let mut reservation = lock(&self.spec.reservation);
+        if reservation.resize(after(&self.saves, &save)).is_err() {
+            // What leads there is enough: going back takes longer.
+            save.copy = None;
+            let more = after(&self.saves, &save);
+            let grown = reservation.resize(more);
+            grown.map_err(|lacking| Fault::MemoryBudget {
+                predicted: save.stored_bytes(),
+                held,
+                budget: more.saturating_sub(lacking),
+            })?;
+        }
+        drop(reservation);
+        let (stored, bytes) = (save.stored.clone(), save.stored_bytes());
+        let number = self.saves.keep(save);
+        let first = Change::DropSaves(self.saves.first());
+        self.record(vec![Change::Save(number, stored), first], Urgency::Now);
+        Ok((number, bytes))
     }
 
     /// Answers those whose state is on disk.

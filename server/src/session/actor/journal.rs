@@ -1,14 +1,11 @@
 //! What a session writes into the journal and how it goes on from it.
 //!
-//! Every change has a number, its mark. A result is shown when the disk has what makes
-//! it again: its update and the last change that no replay repeats, such as a step that
-//! was cancelled. What a replay repeats follows with the next commit.
+//! Every change has a number, its mark. A result is shown when the disk has it: what a client
+//! has read is never made again, so nothing that happens after a kill can change it.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
-
-use signorini::report::Termination;
-use signorini_proto::v1 as wire;
 
 use super::results::Ending;
 use super::saves::Saves;
@@ -17,8 +14,9 @@ use crate::convert::step::Update;
 use crate::journal::{Change, JournalError, StoredCheckpoint, StoredUpdate, Urgency};
 use crate::results::kept::KeptResult;
 use crate::session::SessionEnd;
+use crate::session::ledger::{Cost, Ledger};
 use crate::session::recovered::{Recovered, stored};
-use crate::session::replay::{Cost, Ledger, Replay, ReplayStep, Replayed};
+use crate::session::replay::{self, Known, Replay, ReplayStep, Replayed};
 use crate::session::work::Checkpoint;
 
 /// Changes that may wait for the disk before the next increment waits.
@@ -33,8 +31,6 @@ pub(super) struct Log {
     submitted: u64,
     /// Mark of the newest change that the disk has.
     pub(super) durable: u64,
-    /// Mark of the newest change that no replay repeats.
-    fixed: u64,
     ledger: Ledger,
     /// Event of the newest checkpoint: results after it are needed.
     checkpoint: i64,
@@ -46,7 +42,6 @@ impl Log {
             is_kept,
             submitted: 0,
             durable: if is_kept { 0 } else { u64::MAX },
-            fixed: 0,
             ledger: Ledger::new(retained_results),
             checkpoint: 0,
         }
@@ -68,11 +63,15 @@ impl Log {
         }
     }
 
-    /// The state was written with the change `mark`, where no replay would write it.
-    pub(super) fn fix(&mut self, mark: u64, event: i64, retained_results: usize) {
-        self.fixed = mark;
+    /// Mark of the newest change.
+    pub(super) fn submitted(&self) -> u64 {
+        self.submitted
+    }
+
+    /// Another state is there, after that event, of which a replay would have to do so much.
+    pub(super) fn go_back(&mut self, event: i64, ledger: Ledger) {
         self.checkpoint = event;
-        self.ledger = Ledger::new(retained_results);
+        self.ledger = ledger;
     }
 
     /// Whether the disk keeps up.
@@ -122,12 +121,12 @@ impl Actor {
     /// Updates from `sequence` on have lost their place.
     pub(super) fn log_withdrawn(&mut self, sequence: i64) {
         if self.queue.find(sequence).is_some() {
-            self.log.fixed = self.record(vec![Change::Withdraw(sequence)], Urgency::Soon);
+            self.record(vec![Change::Withdraw(sequence)], Urgency::Soon);
         }
     }
 
     /// Writes a result; the mark that the disk has to have before it is shown.
-    pub(super) fn log_result(&mut self, result: &KeptResult, ending: Ending) -> u64 {
+    pub(super) fn log_result(&mut self, result: &KeptResult, ending: &Ending) -> u64 {
         let is_checkpoint = ending.checkpoint.is_some();
         self.log.count(result.event, ending.cost, is_checkpoint);
         if !self.log.is_kept {
@@ -135,31 +134,18 @@ impl Actor {
         }
         let (report, fields) = stored(result, unix_seconds());
         let mut changes = vec![Change::Result(result.event, report, fields)];
-        if let Some(Checkpoint::Written(state)) = ending.checkpoint {
+        if let Some(Checkpoint::Written(state)) = &ending.checkpoint {
             let done = u32::try_from(result.report.increment).unwrap_or_default();
             changes.push(Change::Checkpoint(StoredCheckpoint {
                 event: result.event,
                 sequence: result.sequence,
                 done: if result.last { 0 } else { done },
-                state: state.into(),
+                state: state.clone(),
+                since: Vec::new(),
             }));
         }
         changes.extend(self.outdated(result.event));
-        let mark = self.queue.current().map_or(0, |current| current.mark);
-        match ending.termination {
-            // Shown by one server of a fleet alone: when its record is there.
-            Termination::Converged | Termination::NotConverged if self.spec.lease.is_some() => {
-                self.record(changes, Urgency::Now)
-            }
-            Termination::Converged | Termination::NotConverged => {
-                self.record(changes, Urgency::Soon);
-                mark.max(self.log.fixed)
-            }
-            Termination::Cancelled | Termination::DeadlineExceeded | Termination::InternalError => {
-                self.log.fixed = self.record(changes, Urgency::Now);
-                self.log.fixed
-            }
-        }
+        self.record(changes, Urgency::Now)
     }
 
     /// What need no longer be kept on disk now and then.
@@ -198,18 +184,19 @@ impl Actor {
             updates,
             results,
             checkpoint,
+            since,
             saves,
         } = *self.spec.recovered.take()?;
         self.saves = Saves::new(saves);
         let checkpointed = checkpoint.as_ref().map_or(0, |one| one.event);
         self.log.checkpoint = checkpointed;
-        let mut known = Known::new();
+        let mut first: BTreeMap<i64, Vec<_>> = BTreeMap::new();
         for result in results {
-            if let (true, Some(report)) = (result.event > checkpointed, result.report.decode()) {
-                let of_update = known.entry(result.sequence).or_default();
-                of_update.push((result.event, report, result.last));
+            let result = self.kept.push(result);
+            if result.event > checkpointed {
+                let of_update = first.entry(result.sequence).or_default();
+                of_update.push(result);
             }
-            self.kept.push(result);
         }
         if let Some(newest) = self.kept.newest() {
             self.last_event = newest.event;
@@ -220,9 +207,9 @@ impl Actor {
         let mut steps = Vec::new();
         for (update, is_cancelled) in updates {
             let sequence = update.sequence;
-            let results = known.remove(&sequence).unwrap_or_default();
+            let results = first.remove(&sequence).unwrap_or_default();
             let step = replay_step(&update, results, checkpoint.as_ref());
-            steps.extend(Some(step).filter(|one| one.before > 0 || !one.results.is_empty()));
+            steps.extend(step.filter(|one| one.before > 0 || one.done > 0 || one.is_stopped));
             if sequence > self.last_finished {
                 let newest = self.kept.of_sequence(sequence).pop();
                 let results = newest.map_or(0, |newest| newest.report.increment);
@@ -234,9 +221,12 @@ impl Actor {
                 }
             }
         }
-        self.queue.end_resumption();
+        if let (Some(last), Some(newest)) = (last_known(&mut steps), self.kept.newest()) {
+            last.fields = newest.fields_at(last.event);
+        }
         Some(Box::new(Replay {
             checkpoint,
+            since,
             steps,
             ledger: self.log.ledger,
             cancel: self.stop_preparing.clone(),
@@ -245,17 +235,20 @@ impl Actor {
 
     /// The state is where an earlier server left it.
     pub(super) fn replayed(&mut self, replayed: Replayed) {
+        // What was stopped meanwhile was stopped after that.
+        let meanwhile = std::mem::replace(&mut self.path, replayed.path);
+        self.path.append(meanwhile);
         let Some(ledger) = replayed.ledger else {
             return;
         };
         self.log.ledger = ledger;
-        self.services
-            .metrics
-            .replay(replayed.seconds, replayed.differing);
+        let differing = replayed.differing.len();
+        self.services.metrics.replay(replayed.seconds);
+        self.services.metrics.replay_differences(differing);
         tracing::info!(
             increments = replayed.increments,
             seconds = replayed.seconds,
-            differing = replayed.differing,
+            differing,
             finished = self.last_finished,
             waiting = self.queue.len(),
             "session resumed"
@@ -265,8 +258,12 @@ impl Actor {
                 "the state was rounded by another instruction set: results are the same up to rounding"
             );
         }
-        if replayed.differing > 0 {
-            tracing::warn!("a replay gave other results than the first run");
+        if let Some(first) = replayed.differing.first() {
+            tracing::error!(
+                first,
+                differing,
+                "a replay gave other results than the first run; those that were sent stay"
+            );
         }
         if let Some(checkpoint) = replayed.checkpoint {
             self.log.checkpoint = checkpoint.event;
@@ -299,26 +296,45 @@ impl Actor {
     }
 }
 
-/// Results after the checkpoint by update: event, report, whether it is the last one.
-type Known = BTreeMap<i64, Vec<(i64, wire::StepReport, bool)>>;
-
-/// What an earlier server did in an update, after the checkpoint.
+/// What an earlier server did in an update, after the checkpoint; none where there is no place
+/// for it.
 fn replay_step(
     update: &Update,
-    results: Vec<(i64, wire::StepReport, bool)>,
+    results: Vec<Arc<KeptResult>>,
     checkpoint: Option<&StoredCheckpoint>,
-) -> ReplayStep {
+) -> Option<ReplayStep> {
     let under_way = checkpoint.filter(|one| one.sequence == update.sequence);
-    ReplayStep {
-        sequence: update.sequence,
-        step: update.step.clone(),
-        before: under_way.map_or(0, |one| one.done),
-        is_finished: results.last().is_some_and(|newest| newest.2),
-        results: results
-            .into_iter()
-            .map(|(event, report, _)| (event, report))
-            .collect(),
+    let is_finished = results.last().is_some_and(|newest| newest.last);
+    let mut known = Vec::with_capacity(results.len());
+    let mut is_stopped = false;
+    for result in results {
+        let report = result.report.decode()?;
+        is_stopped = replay::is_stopped(&report);
+        known.push(Known {
+            event: result.event,
+            report,
+            fields: Vec::new(),
+        });
     }
+    if is_stopped {
+        known.pop();
+    }
+    Some(ReplayStep {
+        update: update.clone(),
+        before: under_way.map_or(0, |one| one.done),
+        done: u32::try_from(known.len()).ok()?,
+        is_stopped,
+        known,
+        is_finished,
+    })
+}
+
+/// The newest result that is compared.
+fn last_known(steps: &mut [ReplayStep]) -> Option<&mut Known> {
+    steps
+        .iter_mut()
+        .rev()
+        .find_map(|step| step.known.last_mut())
 }
 
 fn unix_seconds() -> i64 {

@@ -3,7 +3,10 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use signorini::LaterBytes;
+
 use super::Actor;
+use crate::fault::Fault;
 use crate::uploads::store::Reservation;
 
 impl Actor {
@@ -24,8 +27,45 @@ impl Actor {
         let unread_bytes = unread.map_or(0, |outbox| outbox.unread_bytes());
         let pinned = unread_bytes.saturating_sub(self.kept.bytes());
         let state = self.state_bytes.max(self.predicted_rest());
-        let own = self.spec.own_bytes + self.saves.bytes();
-        own + pinned + state + self.kept.bytes()
+        let own = self.spec.own_bytes + self.saves.bytes() + self.path.bytes();
+        own + pinned + state + self.response_bytes() + self.kept.bytes()
+    }
+
+    /// Whether the step after so many more than the accepted ones may make the body's response.
+    fn comes_to_response(&self, more: u32) -> bool {
+        let waiting = u32::try_from(self.queue.len()).unwrap_or(u32::MAX);
+        let step = self.response.steps.saturating_add(waiting);
+        self.later()
+            .is_some_and(|later| step.saturating_add(more) >= later.from_step)
+    }
+
+    /// The session is there with what it accepted before, which was promised its memory.
+    pub(super) fn note_response(&mut self) {
+        self.is_response_due |= self.comes_to_response(0);
+    }
+
+    /// Takes the memory of the body's response before an update that may make it is accepted; what
+    /// it does not need is given back with the first result.
+    pub(super) fn claim_response(&mut self) -> Result<(), Fault> {
+        if self.is_response_due || !self.comes_to_response(1) {
+            return Ok(());
+        }
+        self.is_response_due = true;
+        let held = self.held_bytes();
+        let claimed = lock(&self.spec.reservation).claim(held);
+        self.is_response_due = claimed.is_ok();
+        claimed
+    }
+
+    /// What the response may still take: nothing before it is due, nor where it is there.
+    fn response_bytes(&self) -> u64 {
+        let is_to_come = self.is_response_due && !self.response.is_tried;
+        let later = self.later().filter(|_| is_to_come);
+        later.map_or(0, |later| later.bytes)
+    }
+
+    fn later(&self) -> Option<LaterBytes> {
+        self.spec.plan.later_bytes()
     }
 
     /// Takes the memory of one more result before there is one. While it is lacking a
@@ -47,7 +87,7 @@ impl Actor {
 
     /// The prediction without what is shared.
     fn predicted_rest(&self) -> u64 {
-        let predicted = self.spec.plan.report().predicted_bytes;
+        let predicted = self.spec.plan.first_bytes();
         predicted.saturating_sub(self.shared_bytes())
     }
 
@@ -59,7 +99,8 @@ impl Actor {
 
     /// What an increment may have to allocate: all but what is there already.
     pub(super) fn scratch_bytes(&self) -> u64 {
-        self.predicted_rest().saturating_sub(self.state_bytes)
+        let state = self.predicted_rest() + self.response_bytes();
+        state.saturating_sub(self.state_bytes)
     }
 }
 

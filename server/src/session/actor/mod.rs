@@ -34,9 +34,10 @@ use signorini_proto::v1 as wire;
 use tokio::sync::{Notify, mpsc, oneshot, watch};
 use tokio::time::Instant;
 
-use super::handle::{Command, Parting, Pulse};
+use super::handle::{Command, OnDisconnect, Parting, Pulse};
+use super::path::Path;
 use super::queue::UpdateQueue;
-use super::work::{Event, Handoff, Work};
+use super::work::{Event, Handoff, ResponseProgress, Work};
 use super::{Services, SessionEnd, SessionSpec};
 use crate::config::LONGEST_SECONDS;
 use crate::door::client_key::ClientKey;
@@ -79,7 +80,7 @@ struct Writer {
     number: u64,
     reader: Reader,
     since: SystemTime,
-    on_disconnect: wire::DisconnectPolicy,
+    on_disconnect: OnDisconnect,
     deadline: Option<Instant>,
     half_closed: bool,
 }
@@ -113,15 +114,24 @@ struct Actor {
     last_event: i64,
     /// A step was stopped before the state was there to stop in.
     is_stopped_early: bool,
+    /// Sequence of the step that was left behind last.
+    left_behind: i64,
     /// Of the last increment that a solver finished.
     last_report: Option<wire::StepReport>,
     /// The newest result, for readers that see it when the disk has it.
     fresh: Option<Fresh>,
     /// What the data folder knows of the session.
     log: Log,
+    /// How the state came about since the solver last knew nothing.
+    path: Path,
     prepared: Option<(Lease<Prepared>, Reuse)>,
     state_bytes: u64,
+    response: ResponseProgress,
+    /// An accepted update may make the response.
+    is_response_due: bool,
     expires: Instant,
+    /// When the step ends whose client has left and does not come back.
+    cancels_at: Option<Instant>,
     stop_preparing: CancelToken,
     ending: Option<SessionEnd>,
     deleters: Vec<oneshot::Sender<()>>,
@@ -167,6 +177,7 @@ pub(in crate::session) async fn run(
             },
             Some(event) = arrived.recv() => actor.event(event),
             () = room.notified() => actor.feed(None),
+            () = passed(actor.cancels_at) => actor.cancel_left(),
             () = tokio::time::sleep_until(actor.expires), if actor.is_idle() => {
                 actor.end(SessionEnd::Expired);
             }
@@ -184,7 +195,10 @@ impl Actor {
         Self {
             kept: kept(&services),
             expires: after(spec.ttl),
+            cancels_at: None,
             state_bytes: 0,
+            response: ResponseProgress::default(),
+            is_response_due: false,
             place: Place::Preparing,
             queue: UpdateQueue::default(),
             writer: None,
@@ -198,9 +212,11 @@ impl Actor {
             last_finished: 0,
             last_event: 0,
             is_stopped_early: false,
+            left_behind: 0,
             last_report: None,
             fresh: None,
             log: Log::new(services.journal.is_some(), config.retained_results),
+            path: Path::default(),
             prepared: None,
             stop_preparing: CancelToken::new(),
             ending: None,
@@ -266,6 +282,9 @@ impl Actor {
             Event::Prepared(Ok(ready)) => self.ready(*ready),
             Event::Prepared(Err(error)) => {
                 self.spec.prepared = None;
+                if error.is_difference() {
+                    self.services.metrics.replay_differences(1);
+                }
                 tracing::warn!(cause = error.to_string(), "preparation failed");
                 self.place = Place::Lost(Loss {
                     why: error.to_string(),
@@ -275,6 +294,7 @@ impl Actor {
             Event::Advanced(outcome) => self.advanced(outcome),
             Event::Deadline(sequence) => self.deadline(sequence),
             Event::Ceiling(sequence) => self.ceiling(sequence),
+            Event::Stuck(sequence) => self.count_stuck(sequence),
             Event::OutOfPatience(sequence) => self.leave_behind(sequence),
             Event::Journalled(mark, outcome) => self.journalled(mark, outcome),
             Event::Exported(outcome) => self.exported(outcome),
@@ -310,6 +330,14 @@ fn kept(services: &Services) -> Kept {
         kept.show(0);
     }
     kept
+}
+
+/// Returns at that time; never without one.
+async fn passed(time: Option<Instant>) {
+    match time {
+        Some(time) => tokio::time::sleep_until(time).await,
+        None => std::future::pending().await,
+    }
 }
 
 /// The instant `time` from now.

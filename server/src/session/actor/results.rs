@@ -6,7 +6,8 @@ use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::results::kept::{KeptReport, KeptResult};
 use crate::results::unfinished;
-use crate::session::replay::Cost;
+use crate::session::ledger::Cost;
+use crate::session::path::{Passage, Path};
 use crate::session::work::{Checkpoint, Increment};
 use signorini::report::{Cause, FieldName, Termination};
 use signorini_proto::v1 as wire;
@@ -24,6 +25,7 @@ pub(super) struct Ending {
 impl Actor {
     pub(super) fn finish_increment(&mut self, increment: Increment) {
         self.state_bytes = increment.state_bytes;
+        self.response = increment.response;
         let report = increment.report;
         self.was_long = report.seconds.total > LONG.as_secs_f64();
         self.services.metrics.increment(&report);
@@ -88,11 +90,12 @@ impl Actor {
         fields: Vec<KeptField>,
     ) {
         let (termination, cause) = (ending.termination, ending.cause);
+        self.note_passage(&ending);
         let Some(current) = self.queue.current() else {
             return;
         };
         current.results += 1;
-        let last = current.is_last(termination);
+        let last = current.is_last(report, termination);
         let is_too_long = current.is_too_long && termination == Termination::DeadlineExceeded;
         self.last_event += 1;
         let mut kept = KeptReport::from(report);
@@ -114,7 +117,7 @@ impl Actor {
             dropped: false,
             needs: 0,
         };
-        result.needs = self.log_result(&result, ending);
+        result.needs = self.log_result(&result, &ending);
         let result = self.kept.push(result);
         let fresh = Fresh {
             event: result.event,
@@ -126,6 +129,26 @@ impl Actor {
             self.finish_step(termination, cause);
         }
         self.account();
+    }
+
+    /// Notes what the current update has just done to the state.
+    fn note_passage(&mut self, ending: &Ending) {
+        let Some(current) = self.queue.first() else {
+            return;
+        };
+        let update = (current.sequence, &current.encoded);
+        match (&ending.checkpoint, ending.termination) {
+            (Some(Checkpoint::Written(state) | Checkpoint::Passed(state)), _) => {
+                self.path = Path::at(state.clone());
+            }
+            (None, Termination::Converged | Termination::NotConverged) => {
+                self.path.count(update, current.results, Passage::Done);
+            }
+            (
+                None,
+                Termination::Cancelled | Termination::DeadlineExceeded | Termination::InternalError,
+            ) => self.path.count(update, current.results, Passage::Stopped),
+        }
     }
 
     pub(super) fn finish_step(&mut self, termination: Termination, cause: Option<Cause>) {

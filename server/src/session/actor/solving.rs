@@ -6,6 +6,7 @@ use signorini::report::{FieldName, Termination};
 
 use super::{Actor, Loss, Place};
 use crate::compute::{Length, Panicked};
+use crate::door::client_key::Flow;
 use crate::session::work::{self, Event, Handoff, Outcome, Preparation, Ready, Task};
 
 impl Actor {
@@ -101,7 +102,7 @@ impl Actor {
         let (span, events) = (tracing::Span::current(), self.events.clone());
         let held = Arc::clone(&self.spec.reservation);
         self.services.solvers.submit(
-            self.client.flow(self.number),
+            self.flow(),
             length,
             move |slot| {
                 let outcome = span.in_scope(|| work::advance(&handoff, &task, slot));
@@ -114,6 +115,18 @@ impl Actor {
                 let _gone = events.send(Event::Advanced(outcome));
             },
         );
+    }
+
+    /// The session's share of the solver threads: with whom it writes for, or with all that its
+    /// client has left running.
+    fn flow(&self) -> Flow {
+        let is_attended = self.writer.is_some() || !self.watchers.is_empty();
+        let client = if is_attended {
+            self.client
+        } else {
+            self.client.unattended()
+        };
+        client.flow(self.number)
     }
 
     /// Fields that some reader wants; without a writer, those that the last one
@@ -132,6 +145,7 @@ impl Actor {
 
     pub(super) fn ready(&mut self, ready: Ready) {
         self.state_bytes = ready.state_bytes;
+        self.response = ready.response;
         self.prepared = Some((ready.prepared, ready.reuse));
         self.spec.prepared = None;
         let mut work = ready.work;
@@ -140,6 +154,7 @@ impl Actor {
         }
         self.place = Place::Home(work);
         self.replayed(ready.replayed);
+        self.note_response();
         self.account();
     }
 }

@@ -4,6 +4,7 @@ use signorini::report::Termination;
 
 use super::{Actor, Place};
 use crate::session::SessionEnd;
+use crate::session::queue::look_again;
 use crate::session::work::{self, Checkpoint, Increment, Work};
 
 impl Actor {
@@ -64,9 +65,18 @@ impl Actor {
         let termination = current.cancel.stopped();
         if let (Place::Away(_), Some(termination)) = (&self.place, termination) {
             tracing::info!(sequence, "a step is left behind");
-            self.services.metrics.left_behind();
             self.place = Place::Behind;
+            self.left_behind = sequence;
+            look_again(sequence, &self.events);
             self.finish_stopped(termination);
+        }
+    }
+
+    /// Counts a step whose solver thread has not stopped long after its answer.
+    pub(super) fn count_stuck(&self, sequence: i64) {
+        if matches!(self.place, Place::Behind) && self.left_behind == sequence {
+            tracing::warn!(sequence, "a solver thread does not stop");
+            self.services.metrics.left_behind();
         }
     }
 

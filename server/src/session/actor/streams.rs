@@ -6,10 +6,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use signorini_proto::v1::{self as wire, solve_response::Message};
 use tokio::time::Instant;
 
-use super::{Actor, Fresh, Reader, Watcher, Writer};
+use super::{Actor, Fresh, Reader, Watcher, Writer, after};
 use crate::fault::Fault;
 use crate::results::outbox::{Limit, Outbox, StreamEnd, Wanted};
-use crate::session::handle::{Attachment, OpenRequest, Role};
+use crate::session::handle::{Attachment, OnDisconnect, OpenRequest, Role};
 
 /// Part of the budget that one reader may leave unread.
 const UNREAD_PART: u64 = 8;
@@ -25,15 +25,18 @@ impl Actor {
             let name = self.spec.name.clone();
             return Err(Fault::SessionBusy { name, held_since });
         }
+        let shown = self.kept.shown_event(self.last_event);
+        if let Some(seen) = request.last_seen_event.filter(|seen| *seen > shown) {
+            let name = self.spec.name.clone();
+            return Err(Fault::EventNotFound {
+                name,
+                seen,
+                newest: shown,
+            });
+        }
         let iterations = self.iterations.reader(request.iteration_interval);
         let outbox = self.new_outbox(&request);
-        let shown = self.kept.shown_event(self.last_event);
-        // Results that a killed server sent and did not store are made again.
-        let most = shown + self.queue.results_to_come();
-        let start = match request.last_seen_event {
-            Some(seen) if seen > shown => seen.min(most),
-            seen => self.kept.seen(seen, shown),
-        };
+        let start = self.kept.seen(request.last_seen_event, shown);
         let missed = match request.last_seen_event {
             Some(_) => 0,
             None => start,
@@ -58,8 +61,7 @@ impl Actor {
             session: Some(self.describe()),
             max_in_flight: i32::try_from(self.services.config.maximum_in_flight)
                 .unwrap_or(i32::MAX),
-            // What the client has seen is there, or is being made again.
-            last_event: shown.max(start),
+            last_event: shown,
         }));
         self.feed(None);
         Ok(Attachment {
@@ -95,19 +97,24 @@ impl Actor {
     fn attach_writer(
         &mut self,
         reader: Reader,
-        on_disconnect: wire::DisconnectPolicy,
+        on_disconnect: OnDisconnect,
         deadline: Option<Instant>,
     ) {
         self.fields = reader.outbox.fields().to_vec();
+        self.cancels_at = None;
+        let policy = match on_disconnect.policy {
+            wire::DisconnectPolicy::Unspecified => self.spec.on_disconnect,
+            wire::DisconnectPolicy::FinishStep | wire::DisconnectPolicy::CancelStep => {
+                on_disconnect.policy
+            }
+        };
         self.writer = Some(Writer {
             number: self.streams,
             reader,
             since: SystemTime::now(),
-            on_disconnect: match on_disconnect {
-                wire::DisconnectPolicy::Unspecified => self.spec.on_disconnect,
-                wire::DisconnectPolicy::FinishStep | wire::DisconnectPolicy::CancelStep => {
-                    on_disconnect
-                }
+            on_disconnect: OnDisconnect {
+                policy,
+                ..on_disconnect
             },
             deadline,
             half_closed: false,
@@ -119,13 +126,25 @@ impl Actor {
         let Some(writer) = self.writer.take_if(|writer| writer.number == number) else {
             return;
         };
-        match writer.on_disconnect {
+        match writer.on_disconnect.policy {
             wire::DisconnectPolicy::CancelStep => {
-                self.log_withdrawn(self.queue.current_sequence() + 1);
-                self.queue.keep_current();
-                self.cancel(0);
+                self.cancels_at = Some(after(writer.on_disconnect.grace));
+                self.cancel_left();
             }
             wire::DisconnectPolicy::Unspecified | wire::DisconnectPolicy::FinishStep => {}
+        }
+    }
+
+    /// Cancels the step whose client has not come back in time, and drops those behind it.
+    pub(super) fn cancel_left(&mut self) {
+        if self
+            .cancels_at
+            .take_if(|time| *time <= Instant::now())
+            .is_some()
+        {
+            self.log_withdrawn(self.queue.current_sequence() + 1);
+            self.queue.keep_current();
+            self.cancel(0);
         }
     }
 

@@ -19,7 +19,7 @@ impl Actor {
             self.reject(sequence, &Fault::request("sequence", "must be at least 1"));
         } else if sequence <= self.queue.last_accepted() {
             self.repeat(sequence);
-        } else if let Err(fault) = self.admit(sequence) {
+        } else if let Err(fault) = self.admit(sequence).and_then(|()| self.claim_response()) {
             self.reject(sequence, &fault);
         } else {
             let deadline = self.stream_deadline();
@@ -37,14 +37,15 @@ impl Actor {
         if self.ending.is_some() {
             return Err(Fault::ShuttingDown);
         }
+        self.services.check_data()?;
         if received != expected {
             return Err(Fault::SequenceGap { received, expected });
         }
-        if self.queue.in_flight() >= config.maximum_in_flight {
+        if self.queue.len() >= config.maximum_in_flight {
             let limit = config.maximum_in_flight;
             return Err(Fault::QueueFull { limit });
         }
-        if self.services.solvers.waiting(self.client) >= config.maximum_queued {
+        if self.services.solvers.waiting(self.client.identity) >= config.maximum_queued {
             let limit = config.maximum_queued;
             return Err(Fault::QueueFull { limit });
         }

@@ -9,7 +9,7 @@ use signorini::prepare::{PrepareError, Prepared};
 use signorini::report::CancelToken;
 use tokio::sync::{mpsc, oneshot};
 
-use super::{Event, Work};
+use super::{Event, ResponseProgress, Work};
 use crate::compute::{Length, Panicked};
 use crate::door::client_key::Flow;
 use crate::fault::FailureCause;
@@ -23,6 +23,7 @@ pub(in crate::session) struct Ready {
     pub(in crate::session) prepared: Lease<Prepared>,
     pub(in crate::session) reuse: Reuse,
     pub(in crate::session) state_bytes: u64,
+    pub(in crate::session) response: ResponseProgress,
     pub(in crate::session) replayed: Replayed,
 }
 
@@ -42,6 +43,14 @@ pub(in crate::session) enum Unprepared {
 }
 
 impl Unprepared {
+    /// Whether a replay found something otherwise than the first run.
+    pub(in crate::session) fn is_difference(&self) -> bool {
+        match self {
+            Self::Replay(error) => error.is_difference(),
+            Self::Failed(_) | Self::Memory(_) | Self::Panicked(_) | Self::Closed => false,
+        }
+    }
+
     pub(in crate::session) fn cause(&self) -> FailureCause {
         match self {
             Self::Memory(_) => FailureCause::Memory,
@@ -103,7 +112,7 @@ async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Rea
     let (prepared, reuse) = match services.store.prepared(&plan.key()) {
         Some(lease) => (lease, Reuse::Reused),
         None => {
-            memory::probe(plan.report().predicted_bytes)?;
+            memory::probe(plan.first_bytes())?;
             let (for_build, on) = (Arc::clone(&plan), Arc::clone(&mesh));
             let held = Arc::clone(&reservation);
             let build = move || {
@@ -139,6 +148,7 @@ async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Rea
     drop(reservation);
     Ok(Ready {
         state_bytes: session.bytes(),
+        response: ResponseProgress::of(&session),
         work: Box::new(Work { session, run }),
         prepared,
         reuse,

@@ -13,15 +13,18 @@ pub(crate) enum Away {
     Descriptors,
     /// Its handshake of transport security failed.
     Handshake,
+    /// Its client took no answer.
+    Unread,
 }
 
 impl Away {
-    pub(crate) const ALL: [Self; 5] = [
+    pub(crate) const ALL: [Self; 6] = [
         Self::All,
         Self::Client,
         Self::Silent,
         Self::Descriptors,
         Self::Handshake,
+        Self::Unread,
     ];
 
     pub(crate) fn name(self) -> &'static str {
@@ -31,6 +34,7 @@ impl Away {
             Self::Silent => "silent",
             Self::Descriptors => "descriptors",
             Self::Handshake => "handshake",
+            Self::Unread => "unread",
         }
     }
 }

@@ -15,6 +15,7 @@ pub(super) const INCREMENTS: &str = "signorini_increments_total";
 pub(super) const STEPS: &str = "signorini_steps_total";
 pub(super) const FAILURES: &str = "signorini_failures_total";
 pub(super) const WARNINGS: &str = "signorini_warnings_total";
+pub(super) const LEAKS: &str = "signorini_leaks_total";
 pub(super) const CUT_BACKS: &str = "signorini_cut_backs_total";
 pub(super) const ATTEMPTS: &str = "signorini_attempts_total";
 pub(super) const FACTORISATIONS: &str = "signorini_factorisations_total";
@@ -44,6 +45,11 @@ pub(super) const REFUSED: &str = "signorini_refused_total";
 pub(super) const PAUSES: &str = "signorini_slot_pauses_total";
 pub(super) const CONNECTIONS: &str = "signorini_connections";
 pub(super) const TURNED_AWAY: &str = "signorini_connections_turned_away_total";
+pub(super) const LINES_LEFT_OUT: &str = "signorini_log_lines_left_out_total";
+pub(super) const FOLDER_GONE: &str = "signorini_data_folder_gone";
+pub(super) const UNWRITABLE: &str = "signorini_data_unwritable";
+pub(super) const DATA_FREE: &str = "signorini_data_free_bytes";
+pub(super) const DATA_SIZE: &str = "signorini_data_size_bytes";
 pub(super) const DECODING: &str = "signorini_decoding_bytes";
 pub(super) const UPLOADS: &str = "signorini_uploads";
 pub(super) const LEFT_BEHIND: &str = "signorini_steps_left_behind_total";
@@ -57,6 +63,8 @@ pub(super) const JOURNAL_BYTES: &str = "signorini_journal_bytes_total";
 pub(super) const JOURNAL_FAILURES: &str = "signorini_journal_failures_total";
 pub(super) const REPLAY_SECONDS: &str = "signorini_replay_seconds";
 pub(super) const REPLAY_DIFFERENCES: &str = "signorini_replay_differences_total";
+pub(super) const DAMAGED: &str = "signorini_damaged_total";
+pub(super) const CERTIFICATE_EXPIRY: &str = "signorini_certificate_expiry_timestamp_seconds";
 pub(super) const ASLEEP: &str = "signorini_sessions_asleep";
 pub(super) const CALLS_STARTED: &str = "grpc_server_started_total";
 pub(super) const CALLS_HANDLED: &str = "grpc_server_handled_total";
@@ -154,12 +162,16 @@ pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 14] = [
     ),
 ];
 
-pub(super) const COUNTERS: [(&str, &str); 23] = [
+pub(super) const COUNTERS: [(&str, &str); 26] = [
     (JOURNAL_BYTES, "Bytes handed to the journal."),
-    (JOURNAL_FAILURES, "Commits that the disk refused."),
+    (JOURNAL_FAILURES, "Writes that the disk refused."),
     (
         REPLAY_DIFFERENCES,
         "Results that a replay found otherwise than the first run.",
+    ),
+    (
+        DAMAGED,
+        "Readings of the data folder that found something not as it was written, by kind.",
     ),
     (ITERATIONS, "Krylov iterations of all sessions."),
     (INCREMENTS, "Finished increments by termination."),
@@ -168,6 +180,10 @@ pub(super) const COUNTERS: [(&str, &str); 23] = [
     (
         WARNINGS,
         "Warnings in the results of increments, by kind; `snapped` counts falls.",
+    ),
+    (
+        LEAKS,
+        "Fluids that were seen to leak in an increment, whether that was asked for or not.",
     ),
     (CUT_BACKS, "Cut-backs inside increments."),
     (
@@ -191,7 +207,7 @@ pub(super) const COUNTERS: [(&str, &str); 23] = [
     ),
     (
         LEFT_BEHIND,
-        "Steps answered while their solver thread could not stop.",
+        "Steps answered whose solver thread had still not stopped 5 s later.",
     ),
     (
         PAUSES,
@@ -199,7 +215,11 @@ pub(super) const COUNTERS: [(&str, &str); 23] = [
     ),
     (
         TURNED_AWAY,
-        "Connections closed because there were too many, they were silent, or no descriptor was left; by reason.",
+        "Connections closed because there were too many, they were silent, no descriptor was left, or a handshake failed; by reason.",
+    ),
+    (
+        LINES_LEFT_OUT,
+        "Refusals that the log left out because there were too many, by whose they were.",
     ),
     (RECEIVED, "Bytes of messages that clients sent."),
     (SENT, "Bytes of messages that clients were sent."),
@@ -207,7 +227,7 @@ pub(super) const COUNTERS: [(&str, &str); 23] = [
     (CALLS_HANDLED, "Calls ended, by method and code."),
 ];
 
-pub(super) const GAUGES: [(&str, &str); 15] = [
+pub(super) const GAUGES: [(&str, &str); 20] = [
     (BUILD_INFO, "1; the labels name the build."),
     (SESSIONS, "Sessions that exist."),
     (
@@ -217,6 +237,26 @@ pub(super) const GAUGES: [(&str, &str); 15] = [
     (
         STREAMS,
         "Open `Solve` and `Watch` streams, those included that have named no session yet.",
+    ),
+    (
+        CERTIFICATE_EXPIRY,
+        "Unix time from which a certificate is good no more, by its use.",
+    ),
+    (
+        FOLDER_GONE,
+        "1 while the data folder is not where the server found it, so that nothing is taken.",
+    ),
+    (
+        UNWRITABLE,
+        "1 while the newest write to the data folder was refused.",
+    ),
+    (
+        DATA_FREE,
+        "Bytes that are free on the disk of the data folder; 0 without one.",
+    ),
+    (
+        DATA_SIZE,
+        "Bytes of the disk of the data folder; 0 without one.",
     ),
     (CONNECTIONS, "Open connections."),
     (

@@ -14,19 +14,20 @@ mod fleet;
 mod start;
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use metrics::{Counter, Gauge, Histogram, Key, Label, Level, Metadata, Recorder};
 use metrics_exporter_prometheus::{
     BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
 };
-use signorini::report::{Seconds, StepReport, Strategy, Termination};
+use signorini::report::{Seconds, StepReport, Strategy, Termination, Tightness};
 
 pub(crate) use calls::{CallKind, Method, OpenCall};
 use catalogue::*;
 pub(crate) use start::COMMIT;
 
 use crate::fault::status;
+use crate::watch::lines::{LineBudget, Whose};
 
 pub(crate) use away::Away;
 
@@ -62,6 +63,8 @@ pub(crate) struct Metrics {
     iterations: Counter,
     received: Counter,
     sent: Counter,
+    /// Of strangers and of clients.
+    lines: [LineBudget; 2],
 }
 
 impl Metrics {
@@ -83,6 +86,7 @@ impl Metrics {
             iterations: count(ITERATIONS),
             received: count(RECEIVED),
             sent: count(SENT),
+            lines: Whose::ALL.map(LineBudget::new),
             recorder,
         };
         metrics.show_from_the_start(&status::REASONS);
@@ -118,6 +122,10 @@ impl Metrics {
         for warning in &report.warnings {
             self.counter(WARNINGS, &[("kind", warning.kind.name())])
                 .increment(1);
+        }
+        for fluid in report.fluids.values() {
+            let leaks = fluid.tightness == Tightness::Leaks;
+            self.counter(LEAKS, &[]).increment(leaks.into());
         }
         self.counter(CUT_BACKS, &[])
             .increment(report.cut_backs.into());
@@ -171,16 +179,31 @@ impl Metrics {
         self.counter(JOURNAL_BYTES, &[]).increment(bytes as u64);
     }
 
-    /// A commit that the disk refused.
+    /// A write that the disk refused.
     pub(crate) fn journal_failed(&self) {
         self.counter(JOURNAL_FAILURES, &[]).increment(1);
     }
 
+    /// When a certificate ends, Unix seconds.
+    pub(crate) fn certificate_expiry(&self, certificate: &'static str, end: i64) {
+        self.gauge(CERTIFICATE_EXPIRY, &[("certificate", certificate)])
+            .set(end as f64);
+    }
+
+    /// Something of the data folder is not as it was written, by what it is.
+    pub(crate) fn damaged(&self, kind: &'static str) {
+        self.counter(DAMAGED, &[("kind", kind)]).increment(1);
+    }
+
     /// A session is back at its state.
-    pub(crate) fn replay(&self, seconds: f64, differing: u32) {
+    pub(crate) fn replay(&self, seconds: f64) {
         self.histogram(REPLAY_SECONDS, &[]).record(seconds);
+    }
+
+    /// Results that a replay found otherwise than the journal has them.
+    pub(crate) fn replay_differences(&self, count: usize) {
         self.counter(REPLAY_DIFFERENCES, &[])
-            .increment(differing.into());
+            .increment(count as u64);
     }
 
     /// Sessions that only the data folder has.
@@ -217,11 +240,40 @@ impl Metrics {
         self.counter(REFUSED, &[("reason", reason)]).increment(1);
     }
 
+    /// Whether the log may take one more line about refusals; counted if not.
+    pub(crate) fn may_tell_of(&self, whose: Whose) -> bool {
+        let [strangers, clients] = &self.lines;
+        let budget = match whose {
+            Whose::Strangers => strangers,
+            Whose::Clients => clients,
+        };
+        let may = budget.take(Instant::now());
+        if !may {
+            self.lines_left_out(whose).increment(1);
+        }
+        may
+    }
+
+    /// Says how many lines the log has left out of late; call now and then.
+    pub(crate) fn tell_lines_left_out(&self) {
+        for (whose, budget) in Whose::ALL.iter().zip(&self.lines) {
+            let lines = budget.left_out();
+            if lines > 0 {
+                let whose = whose.name();
+                tracing::warn!(lines, whose, "refusals left out of the log");
+            }
+        }
+    }
+
+    fn lines_left_out(&self, whose: Whose) -> Counter {
+        self.counter(LINES_LEFT_OUT, &[("whose", whose.name())])
+    }
+
     pub(crate) fn coalesced(&self, count: u64) {
         self.counter(COALESCED, &[]).increment(count);
     }
 
-    /// A step was answered without its solver thread.
+    /// A step was answered without its solver thread, which does not stop.
     pub(crate) fn left_behind(&self) {
         self.counter(LEFT_BEHIND, &[]).increment(1);
     }
@@ -263,6 +315,20 @@ impl Metrics {
 
     pub(crate) fn decoding(&self, bytes: usize) {
         self.set(DECODING, bytes);
+    }
+
+    pub(crate) fn data_folder_gone(&self, is_gone: bool) {
+        self.set(FOLDER_GONE, usize::from(is_gone));
+    }
+
+    pub(crate) fn data_unwritable(&self, is_refused: bool) {
+        self.set(UNWRITABLE, usize::from(is_refused));
+    }
+
+    /// Bytes of the disk of the data folder: free ones, and all.
+    pub(crate) fn data_room(&self, free: u64, size: u64) {
+        self.gauge(DATA_FREE, &[]).set(free as f64);
+        self.gauge(DATA_SIZE, &[]).set(size as f64);
     }
 
     pub(crate) fn uploads(&self, count: usize) {

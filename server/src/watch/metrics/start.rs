@@ -8,6 +8,7 @@ use signorini::report::{Cause, Seconds, Strategy, Termination, WarningKind};
 
 use super::catalogue::*;
 use super::{Away, Kind, Metrics, SERVER_TIME_LIMIT, phases};
+use crate::watch::lines::Whose;
 
 /// The commit that the program was built from; `unknown` outside release builds.
 pub(crate) const COMMIT: &str = env!("SIGNORINI_COMMIT");
@@ -20,6 +21,7 @@ impl Metrics {
         self.outcomes();
         self.caches();
         for name in [
+            LEAKS,
             CUT_BACKS,
             FACTORISATIONS,
             COALESCED,
@@ -36,8 +38,14 @@ impl Metrics {
         for reason in reasons {
             self.counter(REFUSED, &[("reason", reason)]).increment(0);
         }
+        for kind in ["session", "mesh", "surface", "state"] {
+            self.counter(DAMAGED, &[("kind", kind)]).increment(0);
+        }
         for why in Away::ALL {
             self.turned_away_by(why.name()).increment(0);
+        }
+        for whose in Whose::ALL {
+            self.lines_left_out(whose).increment(0);
         }
         for name in [
             QUEUE_WAIT,
@@ -68,7 +76,7 @@ impl Metrics {
         ];
         self.gauge(BUILD_INFO, &build).set(1.0);
         for (name, _) in GAUGES {
-            if ![BUILD_INFO, MEMORY, RESIDUAL].contains(&name) {
+            if ![BUILD_INFO, MEMORY, RESIDUAL, CERTIFICATE_EXPIRY].contains(&name) {
                 self.gauge(name, &[]).set(0.0);
             }
         }

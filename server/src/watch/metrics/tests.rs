@@ -1,4 +1,6 @@
-use signorini::report::{Attempt, Cause, StepReport, Strategy, Termination, Warning, WarningKind};
+use signorini::report::{
+    Attempt, Cause, FluidResult, StepReport, Strategy, Termination, Tightness, Warning, WarningKind,
+};
 use signorini_proto::v1 as wire;
 
 use super::*;
@@ -35,6 +37,7 @@ fn filled() -> Arc<Metrics> {
     });
     metrics.iteration();
     metrics.residual(0).set(0.5);
+    metrics.certificate_expiry("server", 1);
     let method = Arc::new(Method::other());
     metrics.method(&method);
     drop(metrics.call(&method));
@@ -135,6 +138,29 @@ fn every_word_of_the_contract_has_a_series_before_anything_happened() {
 }
 
 #[test]
+fn every_fluid_that_leaks_is_counted_and_tight_ones_are_not() {
+    let metrics = Metrics::new().unwrap();
+    let fluid = |tightness| FluidResult {
+        tightness,
+        ..FluidResult::default()
+    };
+    let named = [
+        ("water", Tightness::Leaks),
+        ("oil", Tightness::Tight),
+        ("air", Tightness::Leaks),
+    ];
+    let fluids = named.map(|(name, tightness)| (name.to_owned(), fluid(tightness)));
+    metrics.increment(&StepReport {
+        fluids: fluids.into(),
+        ..StepReport::default()
+    });
+    assert_eq!(
+        samples(&metrics.render(), LEAKS),
+        ["signorini_leaks_total 2"]
+    );
+}
+
+#[test]
 fn nothing_happens_first_and_then_only_values_change() {
     let names = |page: &str| -> Vec<String> {
         let series = |line: &str| Some(line.rsplit_once(' ')?.0.to_owned());
@@ -148,8 +174,9 @@ fn nothing_happens_first_and_then_only_values_change() {
     };
     let before = names(&Metrics::new().unwrap().render());
     let after = names(&filled().render());
-    // A test calls no method and has no slot before.
-    let fixed = |name: &&String| !name.starts_with("grpc_") && !name.starts_with(RESIDUAL);
+    // A test calls no method, and has no slot and no certificate before.
+    let later = ["grpc_", RESIDUAL, CERTIFICATE_EXPIRY];
+    let fixed = |name: &&String| !later.iter().any(|start| name.starts_with(start));
     let after: Vec<_> = after.iter().filter(fixed).collect();
     assert_eq!(before.iter().collect::<Vec<_>>(), after);
 }

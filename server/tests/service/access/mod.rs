@@ -5,6 +5,7 @@ mod owners;
 mod product;
 mod reload;
 mod roles;
+mod strangers;
 mod transport;
 
 use std::path::{Path, PathBuf};

@@ -27,6 +27,14 @@ fn ogden(terms: usize) -> Option<wire::material::Model> {
     }))
 }
 
+fn hyperfoam(terms: usize) -> Option<wire::material::Model> {
+    Some(wire::material::Model::Hyperfoam(wire::Hyperfoam {
+        mu: vec![1.0; terms.min(6)],
+        alpha: vec![2.0; terms.min(6)],
+        nu: vec![0.1; terms],
+    }))
+}
+
 fn moved(name: String) -> wire::ObstacleTarget {
     wire::ObstacleTarget {
         name,
@@ -41,7 +49,7 @@ fn held(name: String) -> wire::SupportTarget {
     }
 }
 
-pub(crate) const LISTS: [SceneCase; 14] = [
+pub(crate) const LISTS: [SceneCase; 15] = [
     ("material", 4096, |scene, n| {
         scene.materials.resize(n, scene.materials[0].clone());
     }),
@@ -82,6 +90,9 @@ pub(crate) const LISTS: [SceneCase; 14] = [
     }),
     ("material.body.mu", 3, |scene, n| {
         scene.materials[0].model = ogden(n)
+    }),
+    ("material.body.nu", 6, |scene, n| {
+        scene.materials[0].model = hyperfoam(n)
     }),
     ("step[0].obstacle", 1000, |scene, n| {
         let obstacles = words(n).into_iter().map(moved).collect();

@@ -2,14 +2,17 @@
 //!
 //! ```text
 //! TYPE=SEGMENTS               in the plane z = 0
-//! TYPE=CYLINDER  a, b, c      x from a to b, y in the plane of c; swept along z
+//! TYPE=CYLINDER  a, b, c      x from a to b, swept from a to c, which is against z
 //! TYPE=REVOLUTION  a, b       r from the axis a b, z along it
 //! START, x, y   LINE, x, y   CIRCL, x, y, centre x, centre y
 //! ```
+//!
+//! Within an instance a cylinder may leave its points out: its axes are those of the instance,
+//! which moves and turns all of these.
 
-use super::super::cards::{Keyword, text};
+use super::super::cards::{Data, Keyword, text};
 use super::super::error::InpError;
-use super::super::fields::{points, real};
+use super::super::fields::{finite, points};
 use super::super::frame::Frame;
 use super::Reader;
 
@@ -65,7 +68,7 @@ enum Part {
     Arc { centre: [f64; 2], radius: f64 },
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     pub(super) fn surface(&mut self, keyword: &Keyword) -> Result<(), InpError> {
         let kind = keyword
             .value("TYPE")
@@ -79,9 +82,15 @@ impl Reader<'_> {
             _ => self.axes(keyword, &kind)?,
         };
         let parts = self.parts(keyword)?;
-        let profile = frame.and_then(|frame| profile(&frame, &kind, &parts));
-        let name = keyword.value("NAME").unwrap_or_default().to_owned();
-        match profile {
+        let name = self.own(keyword.value("NAME").unwrap_or_default());
+        let Some(frame) = frame else {
+            let why = "without points of its axes that lie apart";
+            self.leave_out(keyword, why);
+            return Ok(());
+        };
+        let outer = self.instance.as_ref().map(|(_, frame)| *frame);
+        let frame = frame.within(&outer.unwrap_or_default());
+        match profile(&frame, &kind, &parts) {
             Some(profile) => self.scene.tools.push(Tool { name, profile, reference: None }),
             None => self.leave_out(keyword, "a profile other than one line or arcs about one centre: triangulate it to an STL file"),
         }
@@ -90,22 +99,78 @@ impl Reader<'_> {
 
     /// The local system: of a cylinder its x and y; of a revolution x across and y along the axis.
     fn axes(&mut self, keyword: &Keyword, kind: &str) -> Result<Option<Frame>, InpError> {
-        let Some(data) = self.cards.data() else {
-            return Ok(None);
+        let is_cylinder = kind == "CYLINDER";
+        let unsaid = Ok(Some(Frame::default()).filter(|_| is_cylinder));
+        let Some(data) = self.axis_line().filter(|data| !data.fields.is_empty()) else {
+            self.axis_line();
+            return unsaid;
         };
         let [a, b] = points(keyword, &data)?;
-        if kind == "CYLINDER" {
-            let Some(data) = self.cards.data() else {
+        if is_cylinder {
+            let Some(data) = self.axis_line() else {
                 return Ok(None);
             };
             let [c, _] = points(keyword, &data)?;
-            return Ok(Frame::through(a, b, c));
+            return Ok(Frame::swept(a, b, c));
         }
         let beside = |axis: Point| [a[0] + axis[0], a[1] + axis[1], a[2] + axis[2]];
         let tries = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(beside);
         // The axis first, then turned so that it is the second one.
         let along = tries.iter().find_map(|plane| Frame::through(a, b, *plane));
         Ok(along.and_then(|along| Frame::through(a, along.place([0.0, 1.0, 0.0]), b)))
+    }
+
+    /// A name as the assembly has it: with the instance that is being read.
+    fn own(&self, name: &str) -> String {
+        match &self.instance {
+            Some((instance, _)) => format!("{instance}.{name}"),
+            None => name.to_owned(),
+        }
+    }
+
+    /// Sets of one node name reference points.
+    pub(super) fn node_set(&mut self, keyword: &Keyword) {
+        let Some(name) = keyword.value("NSET") else {
+            return;
+        };
+        let name = self.own(name).to_ascii_uppercase();
+        let is_node = keyword.name == "NODE";
+        while let Some(data) = self.cards.data() {
+            let is_one = is_node || (data.fields.len() == 1 && !keyword.has("GENERATE"));
+            let field = data.fields.first().filter(|_| is_one);
+            let member = field.map(|field| match keyword.value("INSTANCE") {
+                Some(instance) => format!("{instance}.{}", text(field)),
+                None => self.own(&text(field)),
+            });
+            let member = member.map(|member| member.to_ascii_uppercase());
+            self.single
+                .entry(name.clone())
+                .and_modify(|known| *known = None)
+                .or_insert(member);
+        }
+    }
+
+    pub(super) fn rigid_body(&mut self, keyword: &Keyword) {
+        let surface = keyword.value("ANALYTICAL SURFACE");
+        match surface.zip(keyword.value("REF NODE")) {
+            Some((surface, node)) => {
+                let surface = self.own(surface).to_ascii_uppercase();
+                let node = self.own(node);
+                self.references.insert(surface, node);
+            }
+            None => self.leave_out(
+                keyword,
+                "without an analytical surface and a reference node",
+            ),
+        }
+    }
+
+    /// A line with points of the axes; none where the profile begins.
+    fn axis_line(&mut self) -> Option<Data<'a>> {
+        if self.cards.begins_with(b"START") {
+            return None;
+        }
+        self.cards.data()
     }
 
     fn parts(&mut self, keyword: &Keyword) -> Result<Vec<Part>, InpError> {
@@ -116,7 +181,7 @@ impl Reader<'_> {
             let word = text(fields.next().copied().unwrap_or_default()).to_ascii_uppercase();
             let mut numbers = [0.0; 4];
             for (slot, field) in numbers.iter_mut().zip(fields) {
-                *slot = real(keyword, data.line, field)?;
+                *slot = finite(keyword, data.line, field)?;
             }
             let [x, y, u, v] = numbers;
             match word.as_str() {

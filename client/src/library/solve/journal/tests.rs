@@ -20,7 +20,7 @@ fn update(sequence: i64) -> Order {
         sequence,
         ..Default::default()
     };
-    Order::Update(sequence, Request::LoadStep(update))
+    Order::Update(sequence, Box::new(Request::LoadStep(update)))
 }
 
 fn result(sequence: i64, event: i64, place: Place) -> Event {

@@ -1,10 +1,8 @@
 //! Results do not depend on whether a server has a data folder.
 
-mod common;
-
 use std::path::Path;
 
-use common::{Block, Server, bare, folder, open, press};
+use crate::common::{Block, Server, bare, folder, open, press};
 use signorini_proto::v1 as wire;
 use signorini_server::Config;
 

@@ -1,14 +1,12 @@
 //! Tools that were uploaded outlive the server, with the sessions that press with them.
 
-mod common;
-
 use std::path::Path;
 use std::time::Duration;
 
-use common::{Block, Process, Server, Tool, bare, folder, open, press, reason};
+use crate::common::{Block, Process, Server, Tool, bare, folder, open, press, reason};
 use signorini_proto::v1::surface_service_client::SurfaceServiceClient;
 use signorini_proto::v1::{self as wire};
-use signorini_server::{backup, fsck};
+use signorini_server::{Copying, backup, fsck};
 use tonic::transport::Channel;
 
 /// Steps before a kill, and in all.
@@ -151,7 +149,7 @@ async fn a_backup_has_the_tools_and_a_lost_or_damaged_one_is_told() {
     process.kill();
     let again = tests.join("again");
     std::fs::create_dir(&again).unwrap();
-    backup(&tests.join("data"), &again.join("data")).unwrap();
+    backup(&tests.join("data"), &again.join("data"), Copying::Bytes).unwrap();
     let mut process = Process::start(&again, "");
     let server = process.connect().await;
     pressed(&server, &session, 2, 2).await;
@@ -183,7 +181,7 @@ async fn a_backup_has_the_tools_and_a_lost_or_damaged_one_is_told() {
         name: session.clone(),
     };
     let gone = server.sessions().get_session(call).await;
-    assert_eq!(refused(gone), "SURFACE_NOT_FOUND");
+    assert_eq!(refused(gone), "SURFACE_DAMAGED");
     upload(&server, Tool::Cap).await;
     pressed(&server, &session, 3, 3).await;
     process.kill();

@@ -1,8 +1,6 @@
 //! Saved states: a session goes back to them with the same bits, also after a kill.
 
-mod common;
-
-use common::{Block, Process, Server, Stream, folder, open, press, reason};
+use crate::common::{Block, Process, Server, Stream, folder, open, press, reason};
 use signorini_proto::array;
 use signorini_proto::v1::{self as wire, solve_response::Message};
 
@@ -209,5 +207,5 @@ async fn values_by_node_arrive_on_the_wire_and_forces_by_node_come_back() {
     values.rows = values.rows.slice(..24 * 8);
     stream.step(3, wrong).await;
     let rejected = stream.rejection().await;
-    assert_eq!(common::rejection_reason(&rejected), "SCENE_INVALID");
+    assert_eq!(crate::common::rejection_reason(&rejected), "SCENE_INVALID");
 }

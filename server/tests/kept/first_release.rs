@@ -3,11 +3,9 @@
 //! `first_release/` was written by a server of format 1 on AVX-512: `Block::new(1)` pressed by three
 //! steps, with a saved state, and its exported state imported again.
 
-mod common;
-
 use std::path::Path;
 
-use common::{Server, folder, open, press};
+use crate::common::{Server, folder, open, press};
 use signorini_proto::v1 as wire;
 use signorini_server::{Config, fsck};
 
@@ -29,7 +27,7 @@ fn copy(from: &Path, to: &Path) {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_data_folder_of_the_first_release_goes_on() {
     let data = folder("first-release").join("data");
-    let written = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/first_release");
+    let written = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/kept/first_release");
     copy(&written, &data);
     let found = fsck(&data).unwrap();
     assert_eq!(found.faults, Vec::<String>::new());

@@ -1,13 +1,11 @@
 //! A server that is killed and started again beneath a solve.
 #![cfg(feature = "embedded")]
 
-mod common;
-
 use std::io::{BufRead as _, BufReader};
 use std::process::Stdio;
 
-use common::process::{Process, serve};
-use common::{example, folder, signorini};
+use crate::common::process::{Process, serve};
+use crate::common::{example, folder, signorini};
 use serde_json::Value;
 
 const INCREMENTS: u64 = 80;
@@ -20,7 +18,7 @@ struct Place {
 
 impl Place {
     fn new() -> Self {
-        let folder = folder("killed");
+        let folder = folder("killed-beneath-a-solve");
         Self {
             socket: format!("unix:{}", folder.join("socket").display()),
             settings: format!("data = \"{}\"\n", folder.join("data").display()),

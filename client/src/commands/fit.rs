@@ -1,0 +1,466 @@
+//! `fit`: the constants of a law of rubber from test curves.
+//!
+//! What goes to stdout is TOML: the fit as comments, then the material for the scene.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use signorini::calibration::{Calibrated, Fitted, Test, TestKind, Weighting, calibrate, stress};
+use signorini::scene::RubberModel;
+use signorini_client::bounded_file;
+use signorini_proto::v1;
+use signorini_proto::v1::material::Model;
+
+use crate::arguments::{FitArguments, input};
+use crate::report::curve_plot::{Plot, Series};
+use crate::report::test_curves;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
+use crate::terminal::text::{note, number, one_line, percent, with_error};
+use crate::terminal::whole_file;
+
+/// Bytes of a file of test curves.
+const MOST_BYTES: u64 = 16 << 20;
+/// Points of a drawn curve.
+const DRAWN: u32 = 120;
+
+/// A law with what is not fitted.
+struct Law {
+    group: String,
+    model: RubberModel,
+    bulk_modulus: Option<f64>,
+}
+
+pub(super) fn run(arguments: &FitArguments) -> Result<Exit, Failure> {
+    let law = law(arguments)?;
+    let tests = read(&arguments.data)?;
+    let weighting = if arguments.absolute {
+        Weighting::Absolute
+    } else {
+        Weighting::Relative
+    };
+    let fit = calibrate(&law.model, &tests, weighting);
+    let fit = fit.map_err(|error| Failure::new(Exit::Invalid, error.to_string()))?;
+    for warning in warnings(&fit, &tests) {
+        note(&format!("warning: {warning}\n"));
+    }
+    if let Some(path) = &arguments.plot {
+        let svg = plot(&fit, &tests).svg();
+        whole_file::write(path, svg.as_bytes())
+            .map_err(|error| Failure::unwritable(path, &error))?;
+    }
+    let text = if arguments.json {
+        format!("{}\n", object(&fit, &tests))
+    } else {
+        table(&fit, &tests, weighting) + &snippet(&law, &fit.model)
+    };
+    print(&text)?;
+    Ok(Exit::Ok)
+}
+
+/// The law that the arguments name, or the scene.
+fn law(arguments: &FitArguments) -> Result<Law, Failure> {
+    let scene = input::scene_of(&arguments.scene)?;
+    let names: Vec<&str> = scene
+        .materials
+        .iter()
+        .map(|one| one.group.as_str())
+        .collect();
+    let usage = |message: String| Failure::new(Exit::Usage, message);
+    let material = match (&arguments.group, &scene.materials[..]) {
+        (None, [material]) => material,
+        (None, _) => {
+            let names = names.join(", ");
+            return Err(usage(format!("name the material by --group: {names}")));
+        }
+        (Some(name), all) => all.iter().find(|one| one.group == *name).ok_or_else(|| {
+            let names = names.join(", ");
+            usage(format!("no material \"{name}\"; the scene has: {names}"))
+        })?,
+    };
+    let (own, bulk_modulus) = of_message(material);
+    let named = arguments.model.as_deref();
+    let named = named.and_then(|name| by_name(name, usize::from(arguments.terms)));
+    let model = named.or(own).ok_or_else(|| {
+        usage(format!(
+            "material \"{}\" has no law of rubber that is fitted: name one by --model",
+            material.group
+        ))
+    })?;
+    Ok(Law {
+        group: material.group.clone(),
+        model,
+        bulk_modulus,
+    })
+}
+
+/// The law of a message, none of those that are not fitted, and its bulk modulus.
+fn of_message(material: &v1::Material) -> (Option<RubberModel>, Option<f64>) {
+    let value = |value: Option<f64>| value.unwrap_or_default();
+    let Some(model) = &material.model else {
+        return (None, None);
+    };
+    let (model, bulk_modulus) = match model {
+        Model::MooneyRivlin(law) => (
+            RubberModel::MooneyRivlin {
+                c10: value(law.c10),
+                c01: value(law.c01),
+            },
+            law.bulk_modulus,
+        ),
+        Model::NeoHookean(law) => (
+            RubberModel::NeoHookean {
+                shear_modulus: value(law.shear_modulus),
+            },
+            law.bulk_modulus,
+        ),
+        Model::Yeoh(law) => (
+            RubberModel::Yeoh {
+                c10: value(law.c10),
+                c20: value(law.c20),
+                c30: value(law.c30),
+            },
+            law.bulk_modulus,
+        ),
+        Model::Ogden(law) => (
+            RubberModel::Ogden {
+                mu: law.mu.clone(),
+                alpha: law.alpha.clone(),
+            },
+            law.bulk_modulus,
+        ),
+        Model::Polynomial(law) => (
+            RubberModel::Polynomial {
+                coefficients: [
+                    law.c10, law.c01, law.c20, law.c11, law.c02, law.c30, law.c21, law.c12, law.c03,
+                ],
+            },
+            law.bulk_modulus,
+        ),
+        Model::Gent(law) => (
+            RubberModel::Gent {
+                shear_modulus: value(law.shear_modulus),
+                limit: value(law.limit),
+            },
+            law.bulk_modulus,
+        ),
+        Model::ArrudaBoyce(law) => (
+            RubberModel::ArrudaBoyce {
+                mu: value(law.mu),
+                locking_stretch: value(law.locking_stretch),
+            },
+            law.bulk_modulus,
+        ),
+        Model::VanDerWaals(law) => (
+            RubberModel::VanDerWaals {
+                shear_modulus: value(law.shear_modulus),
+                locking_stretch: value(law.locking_stretch),
+                a: law.a,
+                beta: law.beta,
+            },
+            law.bulk_modulus,
+        ),
+        Model::LinearElastic(_) | Model::Stokes(_) | Model::Hyperfoam(_) | Model::BlatzKo(_) => {
+            return (None, None);
+        }
+    };
+    (Some(model), bulk_modulus)
+}
+
+/// A law by its name in scenes, with constants to begin from.
+fn by_name(name: &str, terms: usize) -> Option<RubberModel> {
+    let one = 1.0;
+    Some(match name {
+        "neo-hookean" => RubberModel::NeoHookean { shear_modulus: one },
+        "mooney-rivlin" => RubberModel::MooneyRivlin { c10: one, c01: 0.0 },
+        "yeoh" => RubberModel::Yeoh {
+            c10: one,
+            c20: 0.0,
+            c30: 0.0,
+        },
+        "ogden" => RubberModel::Ogden {
+            mu: vec![one; terms],
+            alpha: (1..=terms).map(|term| term as f64 + 0.5).collect(),
+        },
+        "polynomial" => RubberModel::Polynomial {
+            coefficients: [0.0; 9],
+        },
+        "gent" => RubberModel::Gent {
+            shear_modulus: one,
+            limit: 100.0,
+        },
+        "arruda-boyce" => RubberModel::ArrudaBoyce {
+            mu: one,
+            locking_stretch: 5.0,
+        },
+        "van-der-waals" => RubberModel::VanDerWaals {
+            shear_modulus: one,
+            locking_stretch: 10.0,
+            a: 0.1,
+            beta: 0.0,
+        },
+        _ => return None,
+    })
+}
+
+/// The points of a file.
+fn read(path: &Path) -> Result<Vec<Test>, Failure> {
+    let bytes = bounded_file::read(path, MOST_BYTES);
+    let bytes = bytes.map_err(|error| Failure::unreadable(path, &error))?;
+    let points = test_curves::read(&bytes);
+    let points =
+        points.map_err(|error| Failure::new(Exit::Invalid, error.to_string()).about(path))?;
+    let kind = |name: &str| TestKind::ALL.into_iter().find(|kind| kind.name() == name);
+    let tests = points.iter().filter_map(|point| {
+        Some(Test {
+            kind: kind(point.test)?,
+            stretch: point.stretch,
+            stress: point.stress,
+        })
+    });
+    Ok(tests.collect())
+}
+
+/// Points of a kind, and the least and largest stretch of them; none without points.
+fn range(tests: &[Test], kind: TestKind) -> Option<(usize, [f64; 2])> {
+    let own = tests.iter().filter(|test| test.kind == kind);
+    let count = own.clone().count();
+    let [least, most] = own.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], test| {
+        [least.min(test.stretch), most.max(test.stretch)]
+    });
+    (count > 0).then_some((count, [least, most]))
+}
+
+/// Whether a stretch on a way lies among the tests.
+fn is_tested(way: &str, stretch: f64, tests: &[Test]) -> bool {
+    let kind = match way {
+        "uniaxial tension" | "uniaxial compression" => TestKind::Uniaxial,
+        "planar tension" => TestKind::Planar,
+        _ => TestKind::Equibiaxial,
+    };
+    range(tests, kind).is_some_and(|(_, [least, most])| (least..=most).contains(&stretch))
+}
+
+/// What a user should know of a fit.
+fn warnings(fit: &Calibrated, tests: &[Test]) -> Vec<String> {
+    let unstable = fit.unstable.iter().map(|one| {
+        let place = if is_tested(one.way, one.stretch, tests) {
+            ", which the tests reach"
+        } else {
+            ""
+        };
+        let (way, stretch) = (one.way, number(one.stretch));
+        format!("the law is not stable (Drucker) in {way} from a stretch of {stretch} on{place}")
+    });
+    let loose = fit.constants.iter().filter(|one| one.half_width.is_none());
+    let loose: Vec<&str> = loose.map(|one| one.name.as_str()).collect();
+    let loose = (!loose.is_empty()).then(|| {
+        let names = loose.join(", ");
+        format!("the tests do not determine {names}: fewer constants, or more kinds of tests, do")
+    });
+    let kinds = TestKind::ALL
+        .into_iter()
+        .filter(|kind| range(tests, *kind).is_some());
+    let alone = (kinds.count() == 1).then(|| {
+        "tests of one kind say little about other deformations: add planar or equibiaxial ones"
+            .to_owned()
+    });
+    unstable.chain(loose).chain(alone).collect()
+}
+
+/// The fit as comments.
+fn table(fit: &Calibrated, tests: &[Test], weighting: Weighting) -> String {
+    let counts = TestKind::ALL.into_iter().filter_map(|kind| {
+        let (count, _) = range(tests, kind)?;
+        Some(format!("{count} {kind}"))
+    });
+    let counts: Vec<String> = counts.collect();
+    let size = |value: f64| match weighting {
+        Weighting::Relative => percent(value),
+        Weighting::Absolute => number(value),
+    };
+    let mut text = format!(
+        "# {} to {} points: {}\n# error {}, {} at most\n",
+        fit.model.name(),
+        tests.len(),
+        counts.join(", "),
+        size(fit.misfit),
+        size(fit.largest),
+    );
+    for Fitted {
+        name,
+        value,
+        half_width,
+    } in &fit.constants
+    {
+        let value = with_error(*value, *half_width);
+        text.push_str(&format!("# {name:<16} {value}\n"));
+    }
+    text
+}
+
+/// Constants of a law by key.
+fn keys(model: &RubberModel) -> Vec<(&'static str, Vec<f64>)> {
+    const COEFFICIENTS: [&str; 9] = [
+        "c10", "c01", "c20", "c11", "c02", "c30", "c21", "c12", "c03",
+    ];
+    match model {
+        RubberModel::MooneyRivlin { c10, c01 } => vec![("c10", vec![*c10]), ("c01", vec![*c01])],
+        RubberModel::NeoHookean { shear_modulus } | RubberModel::BlatzKo { shear_modulus } => {
+            vec![("shear_modulus", vec![*shear_modulus])]
+        }
+        RubberModel::Yeoh { c10, c20, c30 } => vec![
+            ("c10", vec![*c10]),
+            ("c20", vec![*c20]),
+            ("c30", vec![*c30]),
+        ],
+        RubberModel::Ogden { mu, alpha } => vec![("mu", mu.clone()), ("alpha", alpha.clone())],
+        RubberModel::Polynomial { coefficients } => {
+            let named = COEFFICIENTS.into_iter().zip(coefficients);
+            let named = named.filter(|(_, value)| **value != 0.0);
+            named.map(|(key, value)| (key, vec![*value])).collect()
+        }
+        RubberModel::Gent {
+            shear_modulus,
+            limit,
+        } => vec![
+            ("shear_modulus", vec![*shear_modulus]),
+            ("limit", vec![*limit]),
+        ],
+        RubberModel::ArrudaBoyce {
+            mu,
+            locking_stretch,
+        } => vec![
+            ("mu", vec![*mu]),
+            ("locking_stretch", vec![*locking_stretch]),
+        ],
+        RubberModel::VanDerWaals {
+            shear_modulus,
+            locking_stretch,
+            a,
+            beta,
+        } => vec![
+            ("shear_modulus", vec![*shear_modulus]),
+            ("locking_stretch", vec![*locking_stretch]),
+            ("a", vec![*a]),
+            ("beta", vec![*beta]),
+        ],
+        RubberModel::Hyperfoam { mu, alpha, nu } => vec![
+            ("mu", mu.clone()),
+            ("alpha", alpha.clone()),
+            ("nu", nu.clone()),
+        ],
+    }
+}
+
+/// The material for a scene.
+fn snippet(law: &Law, model: &RubberModel) -> String {
+    let group = toml::Value::String(law.group.clone());
+    let mut text = format!("[material.{group}]\nmodel = \"{}\"\n", model.name());
+    let is_list = matches!(
+        model,
+        RubberModel::Ogden { .. } | RubberModel::Hyperfoam { .. }
+    );
+    for (key, values) in keys(model) {
+        let values: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+        let values = values.join(", ");
+        let line = if is_list {
+            format!("{key} = [{values}]\n")
+        } else {
+            format!("{key} = {values}\n")
+        };
+        text.push_str(&line);
+    }
+    if let Some(bulk_modulus) = law.bulk_modulus {
+        text.push_str(&format!("bulk_modulus = {bulk_modulus:?}\n"));
+    }
+    text
+}
+
+fn object(fit: &Calibrated, tests: &[Test]) -> Value {
+    let constants = fit
+        .constants
+        .iter()
+        .map(|one| json!({ "name": one.name, "value": one.value, "half_width": one.half_width }));
+    let unstable = fit.unstable.iter().map(|one| {
+        let is_tested = is_tested(one.way, one.stretch, tests);
+        json!({ "way": one.way, "stretch": one.stretch, "is_tested": is_tested })
+    });
+    json!({
+        "model": fit.model.name(),
+        "points": tests.len(),
+        "error": fit.misfit,
+        "largest_error": fit.largest,
+        "constants": constants.collect::<Vec<_>>(),
+        "unstable": unstable.collect::<Vec<_>>(),
+    })
+}
+
+/// Points and curves of each kind of test.
+fn plot(fit: &Calibrated, tests: &[Test]) -> Plot {
+    let series = TestKind::ALL.into_iter().filter_map(|kind| {
+        let (_, [least, most]) = range(tests, kind)?;
+        let [least, most] = [least.min(1.0), most.max(1.0)];
+        let at = |step: u32| least + (most - least) * f64::from(step) / f64::from(DRAWN);
+        let curve = (0..=DRAWN).filter_map(|step| {
+            let stress = stress(&fit.model, kind, at(step)).ok()?;
+            Some([at(step), stress])
+        });
+        let own = tests.iter().filter(|test| test.kind == kind);
+        Some(Series {
+            name: kind.name(),
+            points: own.map(|test| [test.stretch, test.stress]).collect(),
+            curve: curve.collect(),
+        })
+    });
+    Plot {
+        title: one_line(fit.model.name()).into_owned(),
+        axes: ["stretch", "nominal stress"],
+        series: series.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn yeoh() -> RubberModel {
+        RubberModel::Yeoh {
+            c10: 0.2,
+            c20: -0.001,
+            c30: 0.00005,
+        }
+    }
+
+    #[test]
+    fn the_snippet_is_a_material_of_a_scene() {
+        let law = Law {
+            group: "soft part".to_owned(),
+            model: yeoh(),
+            bulk_modulus: Some(1e3),
+        };
+        let text = snippet(&law, &yeoh());
+        let table: toml::Table = text.parse().unwrap();
+        let material = table["material"]["soft part"].as_table().unwrap();
+        assert_eq!(material["model"].as_str(), Some("yeoh"));
+        assert_eq!(material["c30"].as_float(), Some(0.00005));
+        assert_eq!(material["bulk_modulus"].as_float(), Some(1e3));
+    }
+
+    #[test]
+    fn laws_are_found_by_the_names_of_scenes() {
+        let names = [
+            "neo-hookean",
+            "mooney-rivlin",
+            "yeoh",
+            "ogden",
+            "polynomial",
+            "gent",
+            "arruda-boyce",
+            "van-der-waals",
+        ];
+        for name in names {
+            assert_eq!(by_name(name, 3).unwrap().name(), name);
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Whether fluids leak, in words.
+
+use signorini_proto::v1;
+
+use super::Lines;
+use crate::terminal::text::{number, vector};
+
+/// What each fluid does, and how near it is to a leak.
+pub(super) fn fluids(lines: &mut Lines, report: &v1::StepReport) {
+    for (name, fluid) in &report.fluids {
+        lines.add(&format!("fluid {name}"), &verdict(fluid));
+        if let Some(path) = &fluid.leak_path {
+            lines.add("", &margin(path));
+        }
+        let (area, force) = (number(fluid.wet_area), vector(&fluid.force));
+        let rounds = match fluid.rounds {
+            0 | 1 => String::new(),
+            more => format!(", its front found in {more} rounds"),
+        };
+        lines.add("", &format!("wet area {area}, force {force}{rounds}"));
+    }
+}
+
+/// `tight`, or the pressures between which it leaks.
+pub(super) fn verdict(fluid: &v1::FluidResult) -> String {
+    let pressure = number(fluid.pressure);
+    match (fluid.tightness(), fluid.blow_off_low, fluid.blow_off_high) {
+        (v1::Tightness::Leaks, Some(low), Some(high)) => {
+            format!(
+                "leaks between pressures {} and {}",
+                number(low),
+                number(high)
+            )
+        }
+        (v1::Tightness::Leaks, _, _) => format!("leaks at pressure {pressure}"),
+        (v1::Tightness::Tight | v1::Tightness::Unspecified, _, _) => {
+            format!("tight at pressure {pressure}")
+        }
+    }
+}
+
+fn margin(path: &v1::LeakPath) -> String {
+    let (margin, over) = (number(path.margin), number(path.margin_over_pressure));
+    let width = number(path.sealed_width);
+    format!(
+        "margin {margin}, {over} above its pressure, which contact exceeds over a width of {width}"
+    )
+}

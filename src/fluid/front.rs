@@ -1,0 +1,192 @@
+//! How a fluid advances over its surface at one equilibrium. Shapes `[nodes of the surface]`;
+//! pressures in one unit. Cost: a pass over the surface.
+
+use super::leak_path::Barrier;
+use super::surface::FluidSurface;
+
+/// What a fluid meets at an equilibrium.
+#[derive(Clone, Copy, Debug)]
+pub struct Front<'a> {
+    /// The surface.
+    pub surface: &'a FluidSurface,
+    /// Coefficients of the contact pressure at its nodes, what the fluid bears left out.
+    pub contact: &'a [f64],
+    /// Pressure of contact and fluid together at its nodes.
+    pub total: &'a [f64],
+    /// Pressure below which it enters.
+    pub threshold: f64,
+}
+
+/// How many nodes a fluid has come to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Advance {
+    /// Open ones.
+    pub flooded: usize,
+    /// Pressed ones.
+    pub entered: usize,
+}
+
+impl Front<'_> {
+    /// The multipliers of open nodes are zero, not small.
+    fn is_open(&self, place: usize) -> bool {
+        self.contact[place] <= 0.0
+    }
+
+    /// Wets every open node that open nodes join to a wet one; how many.
+    fn flood(&self, wet: &mut [bool]) -> usize {
+        let mut edge: Vec<usize> = (0..wet.len()).filter(|&place| wet[place]).collect();
+        let before = edge.len();
+        let mut at = 0;
+        while let Some(&place) = edge.get(at) {
+            at += 1;
+            for other in self.surface.beside(place) {
+                if !wet[other] && self.is_open(other) {
+                    wet[other] = true;
+                    edge.push(other);
+                }
+            }
+        }
+        edge.len() - before
+    }
+
+    /// Floods, and wets the dry nodes beside wet ones that are pressed by less than the threshold.
+    pub fn advance(&self, wet: &mut [bool]) -> Advance {
+        let flooded = self.flood(wet);
+        let weak = |&place: &usize| !wet[place] && self.total[place] < self.threshold;
+        let reached = |&place: &usize| self.surface.beside(place).any(|other| wet[other]);
+        let entered: Vec<usize> = (0..wet.len()).filter(weak).filter(reached).collect();
+        entered.iter().for_each(|&place| wet[place] = true);
+        Advance {
+            flooded,
+            entered: entered.len(),
+        }
+    }
+
+    /// The pressure that it must exceed to leak, and the place of the node that holds it last; none
+    /// where no path leads to what must stay dry.
+    pub fn margin(&self, wet: &[bool]) -> Option<(f64, usize)> {
+        let barrier = Barrier {
+            surface: self.surface,
+            wet,
+            pressure: self.total,
+        };
+        barrier.margin()
+    }
+
+    /// Dries wet nodes, but for sources, that are pressed with all nodes beside them; how many.
+    pub fn squeeze(&self, wet: &mut [bool]) -> usize {
+        let is_closed = |place: usize| !self.is_open(place);
+        let squeezed = |&place: &usize| {
+            let is_own = wet[place] && !self.surface.sources[place];
+            is_own && is_closed(place) && self.surface.beside(place).all(is_closed)
+        };
+        let leaving: Vec<usize> = (0..wet.len()).filter(squeezed).collect();
+        leaving.iter().for_each(|&place| wet[place] = false);
+        leaving.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::surface::Reach;
+    use super::*;
+    use crate::mesh::{GroupKind, Mesh, samples};
+    use crate::space::TaylorHood;
+
+    /// The bottom of a strip, wet at its left end, dry at its right: nine nodes along it.
+    fn bottom() -> (FluidSurface, Vec<usize>) {
+        let mesh = samples::rectangle(4, 1);
+        let space = TaylorHood::new(&mesh);
+        let group = |mesh: &Mesh, name: &str| {
+            let group = mesh.group(name, GroupKind::Facets).expect("a side");
+            group.members.clone()
+        };
+        let [facets, from, dry] = ["y0", "x0", "x1"].map(|name| group(&mesh, name));
+        let reach = Reach {
+            facets: &facets,
+            from: &from,
+            dry: &dry,
+        };
+        let surface = FluidSurface::new(&mesh, &space, reach);
+        let mut along: Vec<usize> = (0..9).collect();
+        along.sort_by(|&a, &b| {
+            let x = |place: usize| space.node_place(&mesh, surface.nodes[place])[0];
+            x(a).total_cmp(&x(b))
+        });
+        (surface, along)
+    }
+
+    fn wet_along(wet: &[bool], along: &[usize]) -> Vec<bool> {
+        along.iter().map(|&place| wet[place]).collect()
+    }
+
+    fn contact(values: [f64; 9], along: &[usize]) -> Vec<f64> {
+        let mut contact = vec![0.0; 9];
+        along
+            .iter()
+            .zip(values)
+            .for_each(|(&place, value)| contact[place] = value);
+        contact
+    }
+
+    /// The front of a fluid of pressure one.
+    fn of_unit_pressure<'a>(surface: &'a FluidSurface, contact: &'a [f64]) -> Front<'a> {
+        Front {
+            surface,
+            contact,
+            total: contact,
+            threshold: 1.0,
+        }
+    }
+
+    #[test]
+    fn a_flood_stops_at_the_first_pressed_node_and_skips_what_lies_beyond() {
+        let (surface, along) = bottom();
+        let contact = contact([0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 5.0, 5.0, 5.0], &along);
+        let front = of_unit_pressure(&surface, &contact);
+        let mut wet = surface.sources.clone();
+        assert_eq!(front.flood(&mut wet), 2);
+        let expected = [true, true, true, false, false, false, false, false, false];
+        assert_eq!(wet_along(&wet, &along), expected);
+        assert_eq!(front.advance(&mut wet), Advance::default());
+    }
+
+    #[test]
+    fn weak_contact_is_entered_node_by_node() {
+        let (surface, along) = bottom();
+        let contact = contact([0.5, 0.5, 0.5, 3.0, 0.1, 0.1, 0.1, 0.1, 0.1], &along);
+        let front = of_unit_pressure(&surface, &contact);
+        let mut wet = surface.sources.clone();
+        let rounds: Vec<usize> = (0..3).map(|_| front.advance(&mut wet).entered).collect();
+        assert_eq!(rounds, [1, 1, 0]);
+        assert_eq!(surface.leak(&wet, |_| false), None);
+        // With a threshold of zero it enters only what is open.
+        let never = Front {
+            threshold: 0.0,
+            ..front
+        };
+        let mut wet = surface.sources.clone();
+        assert_eq!(never.advance(&mut wet), Advance::default());
+    }
+
+    #[test]
+    fn what_reaches_the_dry_end_leaks() {
+        let (surface, along) = bottom();
+        let contact = [0.0; 9];
+        let front = of_unit_pressure(&surface, &contact);
+        let mut wet = surface.sources.clone();
+        assert_eq!(front.advance(&mut wet).flooded, 8);
+        assert_eq!(surface.leak(&wet, |_| false), Some(along[8]));
+    }
+
+    #[test]
+    fn a_film_that_is_pressed_on_all_sides_is_squeezed_out() {
+        let (surface, along) = bottom();
+        let contact = contact([2.0, 2.0, 2.0, 2.0, 0.0, 0.0, 2.0, 2.0, 2.0], &along);
+        let front = of_unit_pressure(&surface, &contact);
+        let mut wet = vec![true; 9];
+        assert_eq!(front.squeeze(&mut wet), 4);
+        let expected = [true, false, false, true, true, true, true, false, false];
+        assert_eq!(wet_along(&wet, &along), expected);
+    }
+}

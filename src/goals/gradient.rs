@@ -1,0 +1,223 @@
+//! Derivatives of goals by parameters,
+//!
+//! ```text
+//! dJ/dt = d/dt [J(x, t) + y . R(x, t)] at fixed x
+//! ```
+//!
+//! by central differences of sixth order of what the solver itself evaluates: exact to rounding for
+//! loads and for constants that a law is linear in, to some 1e-11 of J for the rest. Where poses
+//! follow from pushes F = T the derivatives at fixed poses q are freed of them,
+//!
+//! ```text
+//! dJ/dt - (dJ/dq) (dF/dq)^-1 dF/dt,   dJ/dT = (dJ/dq) (dF/dq)^-1
+//! ```
+//!
+//! Cost: six evaluations of the residuals a parameter, for all goals together.
+
+use super::dual::{Dual, work};
+use super::error::GoalError;
+use super::perturbed::{Change, Place};
+use crate::linalg::{DenseLu, DenseMatrix, Workspace};
+use crate::model::Model;
+use crate::model::evaluate::evaluate;
+use crate::model::push::{Control, Part};
+use crate::model::state::State;
+use crate::report::Seconds;
+use crate::scene::Parameter;
+use crate::sqp::run::Run;
+
+/// Weights of values one, two and three steps away, over the step: of sixth order.
+const WEIGHTS: [f64; 3] = [45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0];
+
+/// Goals with their dual solutions.
+pub(super) struct Answered<'a> {
+    /// Those asked for.
+    pub(super) goals: &'a [Dual],
+    /// What obstacles are pushed by.
+    pub(super) pushed: &'a [Dual],
+    /// The components of poses that follow from that.
+    pub(super) controls: &'a [Control],
+}
+
+impl<'a> Answered<'a> {
+    /// Those asked for, then those of pushes.
+    fn all(&self) -> impl Iterator<Item = &'a Dual> {
+        self.goals.iter().chain(self.pushed)
+    }
+}
+
+/// Derivatives `[goals][parameters]`, in the caller's units.
+///
+/// # Errors
+/// [`GoalError`] of a parameter.
+pub(super) fn gradients(
+    run: &Run<'_>,
+    answered: &Answered<'_>,
+    parameters: &[Parameter],
+) -> Result<Vec<Vec<f64>>, GoalError> {
+    let at = (&run.model, &*run.state);
+    let free = Free::new(at, answered)?;
+    let mut rows = vec![Vec::with_capacity(parameters.len()); answered.goals.len()];
+    for parameter in parameters {
+        if let Some(stopped) = run.stopped() {
+            return Err(GoalError::Stopped(stopped));
+        }
+        let column = free.column((&run.model, &*run.state), answered, parameter)?;
+        rows.iter_mut()
+            .zip(column)
+            .for_each(|(row, value)| row.push(value));
+    }
+    Ok(rows)
+}
+
+/// How poses that follow from pushes answer.
+struct Free {
+    /// (dF/dq)^-1; none where no pose follows.
+    stiffness: Option<DenseLu>,
+    /// dJ/dq `[controls][goals]`.
+    by_pose: Vec<Vec<f64>>,
+}
+
+impl Free {
+    fn new(at: (&Model<'_>, &State), answered: &Answered<'_>) -> Result<Self, GoalError> {
+        let mut by_pose = Vec::new();
+        let count = answered.pushed.len();
+        let mut stiffness = DenseMatrix::zeros(count, count);
+        let controls = if count == 0 {
+            &[][..]
+        } else {
+            answered.controls
+        };
+        for (column, control) in controls.iter().enumerate() {
+            let change = Change::new(at, &of_pose(at.0, *control))?;
+            let mut values = differentiate(at, answered, &change)?;
+            let pushed = values.split_off(answered.goals.len());
+            for (row, value) in pushed.into_iter().enumerate() {
+                *stiffness.at_mut(row, column) = value;
+            }
+            by_pose.push(values);
+        }
+        let stiffness = (count > 0).then(|| DenseLu::new(&stiffness)).transpose();
+        Ok(Self {
+            stiffness: stiffness.map_err(|_| GoalError::Absent {
+                text: "pose".to_owned(),
+                cause: "the pushed obstacle meets no resistance: its pose has no derivative"
+                    .to_owned(),
+            })?,
+            by_pose,
+        })
+    }
+
+    /// Derivatives of all goals by one parameter.
+    fn column(
+        &self,
+        at: (&Model<'_>, &State),
+        answered: &Answered<'_>,
+        parameter: &Parameter,
+    ) -> Result<Vec<f64>, GoalError> {
+        let change = Change::new(at, parameter)?;
+        let control = following(answered.controls, &change.place);
+        let absent = |cause: &str| {
+            Err(GoalError::Absent {
+                text: parameter.to_string(),
+                cause: cause.to_owned(),
+            })
+        };
+        match (parameter, control) {
+            (Parameter::Push { .. }, None) => absent("nothing pushes the obstacle so"),
+            (Parameter::Push { .. }, Some(place)) => {
+                let mut unit = vec![0.0; answered.controls.len()];
+                unit[place] = 1.0;
+                Ok(self.led(answered.goals.len(), unit))
+            }
+            (_, Some(_)) => absent("the pose follows from a push"),
+            (_, None) => {
+                let mut values = differentiate(at, answered, &change)?;
+                let pushed = values.split_off(answered.goals.len());
+                let led = self.led(values.len(), pushed);
+                values
+                    .iter_mut()
+                    .zip(led)
+                    .for_each(|(own, led)| *own -= led);
+                Ok(values)
+            }
+        }
+    }
+
+    /// (dJ/dq) (dF/dq)^-1 `forces`, of that many goals.
+    fn led(&self, goals: usize, mut forces: Vec<f64>) -> Vec<f64> {
+        let mut led = vec![0.0; goals];
+        if let Some(stiffness) = &self.stiffness {
+            stiffness.solve(&mut forces);
+            for (by_pose, motion) in self.by_pose.iter().zip(forces) {
+                led.iter_mut()
+                    .zip(by_pose)
+                    .for_each(|(sum, value)| *sum += value * motion);
+            }
+        }
+        led
+    }
+}
+
+/// The component of a pose as a parameter.
+fn of_pose(model: &Model<'_>, control: Control) -> Parameter {
+    let obstacles = &model.plan.problem.obstacles;
+    let name = match control.part {
+        Part::Obstacle(index) => obstacles.get(index).map(|one| one.name.clone()),
+        Part::Support(_) => None,
+    };
+    Parameter::Pose {
+        obstacle: name.unwrap_or_default(),
+        axis: control.axis as u8,
+    }
+}
+
+/// Which of the controls a place is.
+fn following(controls: &[Control], place: &Place) -> Option<usize> {
+    let Place::Pose(index, axis) = place else {
+        return None;
+    };
+    let is_it = |control: &Control| control.part == Part::Obstacle(*index) && control.axis == *axis;
+    controls.iter().position(is_it)
+}
+
+/// Derivatives of all goals with the poses held fast.
+fn differentiate(
+    at: (&Model<'_>, &State),
+    answered: &Answered<'_>,
+    change: &Change,
+) -> Result<Vec<f64>, GoalError> {
+    let mut sums = vec![0.0; answered.all().count()];
+    for (place, weight) in WEIGHTS.into_iter().enumerate() {
+        for sign in [1.0, -1.0] {
+            let by = sign * (place + 1) as f64 * change.step;
+            let values = lagrangians(at, answered, (change, by))?;
+            let factor = sign * weight / change.step;
+            sums.iter_mut()
+                .zip(values)
+                .for_each(|(sum, value)| *sum += factor * value);
+        }
+    }
+    Ok(sums)
+}
+
+/// J + y . R of all goals, in the caller's units of J, with the parameter larger by some amount.
+fn lagrangians(
+    at: (&Model<'_>, &State),
+    answered: &Answered<'_>,
+    (change, by): (&Change, f64),
+) -> Result<Vec<f64>, GoalError> {
+    let changed = change.apply(at, by)?;
+    let (model, state) = (changed.model(), &changed.state);
+    let now = evaluate(
+        &model,
+        state,
+        &mut Seconds::default(),
+        &mut Workspace::new(),
+    );
+    let value = |dual: &Dual| {
+        let sum = dual.goal.value(&model, state) + work(&dual.fields, &now);
+        sum * dual.goal.unit()
+    };
+    Ok(answered.all().map(value).collect())
+}

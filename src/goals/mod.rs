@@ -1,0 +1,38 @@
+//! Goals of a converged increment: the functionals whose error and derivatives are asked for, by
+//! one dual solution each,
+//!
+//! ```text
+//! R(x; t) = 0,   K^T y = dJ/dx,   dJ/dt = d/dt [J(x, t) + y . R(x, t)] at fixed x
+//! ```
+//!
+//! x displacement, pressure and the multipliers of closed contacts, R the residuals (force, volume,
+//! gap), K the matrix of the last program made anew at the state, with the curvature of the gaps.
+//! Contacts stay closed or open as they are: where one is at its border J has two one-sided
+//! derivatives, and the report counts such contacts.
+//!
+//! | file | part |
+//! |---|---|
+//! | [`error`], [`numbers`] | why a goal has no answer; numbers of a scene by their keys |
+//! | [`resolved`], [`own_contact`], [`transposed`] | J and dJ/dx |
+//! | [`answer`] | questions and their order |
+//! | [`dual`] | y, by the operators that the solver has |
+//! | [`bound`] | the error of J by the mesh, from the errors of x and y |
+//! | [`perturbed`], [`gradient`] | the derivative of J + y . R with the state held fast |
+//!
+//! Nothing of a session is changed by asking. Bodies without friction and fluids, whose state
+//! depends on its way.
+
+mod answer;
+mod bound;
+mod dual;
+mod error;
+mod gradient;
+mod numbers;
+mod own_contact;
+mod perturbed;
+mod resolved;
+mod transposed;
+
+pub use error::GoalError;
+
+pub(crate) use answer::answer;

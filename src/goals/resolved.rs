@@ -1,0 +1,271 @@
+//! A goal on a body: its value and its derivative with respect to the state,
+//!
+//! ```text
+//! obstacle   J = -l . C w          J_u = K w + [f x a],  J_l = -C w,   f = -C^T l
+//! support    J = w . (A u + B^T p + C^T l - load)        J_x = M^T w
+//! probe      J = u(X) . e
+//! ```
+//!
+//! w the rigid motion of the whole body that the goal does work on, of a support that of its
+//! nodes alone; K the curvature of the obstacle's gaps under its pressure, M the matrix of the
+//! dual problem with the rows and columns of what is held; [f x a] for moments about a only.
+//! Non-dimensional, all rows, held ones included. Cost: one pass over the obstacle's surface, of a
+//! support one product with the tangent besides.
+
+use super::error::GoalError;
+use super::own_contact::OwnContact;
+use super::transposed::{transposed, zeros};
+use crate::geometry::vector3::{cross, sub};
+use crate::linalg::vector::{add_scaled, dot};
+use crate::linalg::{LinearOperator, Workspace};
+use crate::mesh::locate::Located;
+use crate::model::Model;
+use crate::model::internal::internal;
+use crate::model::state::State;
+use crate::model::values::displacement_at;
+use crate::obstacle::Obstacle;
+use crate::results::geometry_error::geometry_error;
+use crate::results::nodal_force::{contact_force, reaction};
+use crate::scene::{Goal, GoalKind};
+use crate::sqp::program::Fields;
+
+/// A goal with its names resolved.
+#[derive(Clone, Debug)]
+pub(super) struct ResolvedGoal {
+    what: What,
+    axis: usize,
+    /// What brings its value to the caller's units.
+    unit: f64,
+}
+
+/// What is measured.
+#[derive(Clone, Copy, Debug)]
+enum What {
+    /// Force of the obstacle of that number.
+    Force(usize),
+    /// Its moment.
+    Moment(usize),
+    /// Force of the support of that number.
+    Reaction(usize),
+    /// Displacement of a place.
+    Displacement(Located),
+}
+
+impl ResolvedGoal {
+    /// Of a goal of the scene.
+    ///
+    /// # Errors
+    /// [`GoalError::Unknown`] and [`GoalError::Absent`].
+    pub(super) fn new(model: &Model<'_>, goal: &Goal) -> Result<Self, GoalError> {
+        let problem = &model.plan.problem;
+        let unknown = || GoalError::Unknown {
+            text: goal.to_string(),
+            what: goal.kind.owner(),
+        };
+        let obstacle = || {
+            let mut all = problem.obstacles.iter();
+            let found = all.position(|one| one.name == goal.name);
+            found.ok_or_else(unknown)
+        };
+        let (what, unit) = match goal.kind {
+            GoalKind::Force => (What::Force(obstacle()?), problem.units.force()),
+            GoalKind::Moment => (What::Moment(obstacle()?), problem.units.energy()),
+            GoalKind::Reaction => {
+                let mut all = problem.resolved.supports.iter();
+                let found = all.position(|one| one.name == goal.name);
+                (
+                    What::Reaction(found.ok_or_else(unknown)?),
+                    problem.units.force(),
+                )
+            }
+            GoalKind::Displacement => {
+                let mut all = problem.resolved.probes.iter();
+                let found = all.find(|one| one.name == goal.name).ok_or_else(unknown)?;
+                (What::Displacement(found.place), problem.units.length)
+            }
+        };
+        let axis = usize::from(goal.axis);
+        let resolved = Self { what, axis, unit };
+        resolved.check(model, goal).map(|()| resolved)
+    }
+
+    fn check(&self, model: &Model<'_>, goal: &Goal) -> Result<(), GoalError> {
+        let absent = |cause: &str| {
+            Err(GoalError::Absent {
+                text: goal.to_string(),
+                cause: cause.to_owned(),
+            })
+        };
+        let plan = model.plan;
+        let is_plane = plan.problem.units.dimension == 2;
+        let is_force = matches!(self.what, What::Force(_) | What::Reaction(_));
+        let is_moment = matches!(self.what, What::Moment(_));
+        if is_moment && plan.is_axisymmetric() {
+            return absent("moments of a full turn are zero");
+        }
+        if is_plane && is_moment != (self.axis == 2) {
+            return absent("a plane body has forces along x and y and moments about z");
+        }
+        if is_force && plan.is_axisymmetric() && self.axis == 0 {
+            return absent("radial forces of a full turn are zero");
+        }
+        let What::Reaction(support) = self.what else {
+            return Ok(());
+        };
+        let own = &plan.problem.resolved.supports[support];
+        if own.oblique.is_empty() && own.patches.is_empty() {
+            Ok(())
+        } else {
+            absent("the support holds the normal of a surface that is across no axis")
+        }
+    }
+
+    /// What brings a value to the caller's units.
+    pub(super) fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// What of a dual solution is smooth where the exact one is, with the same error: of a support
+    /// that less the motion of its nodes, which the mesh has made.
+    pub(super) fn smooth(&self, model: &Model<'_>, dual: &Fields) -> Vec<f64> {
+        let mut smooth = dual.displacement.clone();
+        if let What::Reaction(support) = self.what {
+            add_scaled(&mut smooth, -1.0, &self.support_motion(model, support));
+        }
+        smooth
+    }
+
+    /// What flat facets in the place of a curved surface make of the goal, in the caller's units.
+    pub(super) fn geometry(&self, model: &Model<'_>, state: &State) -> f64 {
+        let (What::Force(index) | What::Moment(index)) = self.what else {
+            return 0.0;
+        };
+        let interface = model.interfaces.list.get(index);
+        let relative = interface.and_then(|one| geometry_error(model, state, one));
+        relative.map_or(0.0, |relative| {
+            relative * self.value(model, state).abs() * self.unit
+        })
+    }
+
+    /// J, non-dimensional.
+    pub(super) fn value(&self, model: &Model<'_>, state: &State) -> f64 {
+        match self.what {
+            What::Force(index) | What::Moment(index) => {
+                let own = OwnContact::new(model, state, index);
+                own.map_or(0.0, |own| {
+                    dot(&own.force(), &self.motion(model, state, &own))
+                })
+            }
+            What::Reaction(support) => {
+                let inside = internal(model, state, &mut Workspace::new()).force;
+                let contact = contact_force(model, state);
+                let found = reaction(model, state, inside, &contact);
+                dot(&found, &self.support_motion(model, support))
+            }
+            What::Displacement(at) => {
+                displacement_at(model, state, at.cell as usize, &at.barycentric)[self.axis]
+            }
+        }
+    }
+
+    /// dJ/dx.
+    pub(super) fn derivative(
+        &self,
+        model: &Model<'_>,
+        state: &State,
+        work: &mut Workspace,
+    ) -> Fields {
+        match self.what {
+            What::Force(index) | What::Moment(index) => {
+                let own = OwnContact::new(model, state, index);
+                own.map_or_else(|| zeros(state), |own| self.of_obstacle(model, state, &own))
+            }
+            What::Reaction(support) => {
+                let motion = self.support_motion(model, support);
+                transposed(model, state, &motion, work)
+            }
+            What::Displacement(at) => self.of_place(model, state, &at),
+        }
+    }
+
+    fn of_obstacle(&self, model: &Model<'_>, state: &State, own: &OwnContact<'_>) -> Fields {
+        let motion = self.motion(model, state, own);
+        let mut out = zeros(state);
+        let curvature = own.curvature(model, state);
+        let work = &mut Workspace::new();
+        curvature.apply_transposed(&motion, &mut out.displacement, work);
+        if let What::Moment(_) = self.what {
+            let mut about = [0.0; 3];
+            about[self.axis] = 1.0;
+            let c = model.prepared.space.components;
+            let forces = own.force();
+            let rows = out.displacement.chunks_exact_mut(c);
+            for (own, force) in rows.zip(forces.chunks_exact(c)) {
+                let turned = cross(in_space(force), about);
+                own.iter_mut().zip(turned).for_each(|(x, t)| *x += t);
+            }
+        }
+        own.add_work(-1.0, &motion, &mut out.multiplier);
+        out
+    }
+
+    fn of_place(&self, model: &Model<'_>, state: &State, at: &Located) -> Fields {
+        let (space, mut out) = (&model.prepared.space, zeros(state));
+        let (c, cell) = (space.components, at.cell as usize);
+        for (&vertex, share) in model.mesh.cell(cell).iter().zip(at.barycentric) {
+            out.displacement[vertex as usize * c + self.axis] += share;
+        }
+        for (node, (a, b)) in space.edge_nodes_of(model.mesh, cell) {
+            let share = 4.0 * at.barycentric[a] * at.barycentric[b];
+            out.displacement[node * c + self.axis] += share;
+        }
+        out
+    }
+
+    /// The rigid motion of the body that the goal does work on, hierarchical `[displacement]`.
+    fn motion(&self, model: &Model<'_>, state: &State, own: &OwnContact<'_>) -> Vec<f64> {
+        let space = &model.prepared.space;
+        let c = space.components;
+        let mut motion = vec![0.0; space.displacement_unknowns()];
+        let mut along = [0.0; 3];
+        along[self.axis] = 1.0;
+        let reference = own.met.obstacle().map(Obstacle::reference_point);
+        for (node, row) in motion.chunks_exact_mut(c).enumerate() {
+            let is_vertex = node < space.vertices;
+            let is_turn = matches!(self.what, What::Moment(_));
+            let value = match (is_turn, is_vertex) {
+                (true, _) => {
+                    let place = model.place(node, &state.displacement);
+                    let about = reference.filter(|_| is_vertex).unwrap_or_default();
+                    cross(along, sub(place, about))
+                }
+                (false, true) => along,
+                (false, false) => [0.0; 3],
+            };
+            row.copy_from_slice(&value[..c]);
+        }
+        motion
+    }
+
+    /// One at the nodes that a support holds along the axis, hierarchical `[displacement]`.
+    fn support_motion(&self, model: &Model<'_>, support: usize) -> Vec<f64> {
+        let space = &model.prepared.space;
+        let c = space.components;
+        let mut nodal = vec![0.0; space.displacement_unknowns()];
+        for &(unknown, holder) in &model.plan.problem.held {
+            let unknown = unknown as usize;
+            if usize::from(holder) == support && unknown % c == self.axis {
+                nodal[unknown] = 1.0;
+            }
+        }
+        for (edge, ends) in space.edges.iter().enumerate() {
+            let [a, b] = ends.map(|vertex| nodal[vertex as usize * c + self.axis]);
+            nodal[(space.vertices + edge) * c + self.axis] -= 0.5 * (a + b);
+        }
+        nodal
+    }
+}
+
+fn in_space(row: &[f64]) -> [f64; 3] {
+    std::array::from_fn(|i| row.get(i).copied().unwrap_or(0.0))
+}

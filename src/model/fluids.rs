@@ -1,0 +1,190 @@
+//! Fluids at a state: what drives them, and their load
+//!
+//! ```text
+//! f(v) = - sum over fluids q int w n . v da,   w = sum over wet nodes of psi_j
+//! ```
+//!
+//! over the deformed faces for bodies of finite strain, over the undeformed ones for linear bodies;
+//! psi quadratic Bernstein functions, so that w falls from one to zero within the facets of the
+//! front. The contact pressures of the state are what obstacles press beyond the fluid. All is
+//! non-dimensional. Cost: that of [`crate::assembly::follower`] on the facets that are wet; nothing
+//! without fluids.
+
+use super::Model;
+use super::drive::Drive;
+use super::interfaces::Interface;
+use super::pressures::pressed;
+use super::state::State;
+use crate::assembly::follower::{
+    FollowerPressure, PressureValues, add_follower_load, follower_sum, follower_tangent,
+};
+use crate::fluid::front::Front;
+use crate::linalg::SparseRows;
+use crate::plan::Plan;
+
+/// Of each fluid that presses somewhere: its place among all, and the pressure at the nodes
+/// `[nodes]`, non-dimensional Bernstein coefficients.
+fn nodal_pressures(model: &Model<'_>, state: &State) -> Vec<(usize, Vec<f64>)> {
+    let problem = &model.plan.problem;
+    let all = state.drive.fluids.iter().enumerate();
+    let pressing = all.filter(|(_, drive)| drive.pressure != 0.0);
+    let nodal = pressing.map(|(index, drive)| {
+        let pressure = drive.pressure / problem.units.stress;
+        (index, at_wet_nodes(model, state, index, pressure))
+    });
+    nodal.collect()
+}
+
+/// `value` at the nodes that one fluid wets, zero at all others `[nodes]`.
+fn at_wet_nodes(model: &Model<'_>, state: &State, index: usize, value: f64) -> Vec<f64> {
+    let mut all = vec![0.0; model.prepared.space.nodes()];
+    let nodes = model.plan.problem.fluid_surfaces[index].nodes.iter();
+    for (&node, _) in nodes.zip(&state.wet[index]).filter(|(_, wet)| **wet) {
+        all[node as usize] = value;
+    }
+    all
+}
+
+/// What presses: facets with the pressure at all nodes.
+fn follower<'a>(model: &Model<'a>, nodal: &'a [(usize, Vec<f64>)]) -> Vec<FollowerPressure<'a>> {
+    let fluids = &model.plan.problem.resolved.fluids;
+    let pressures = nodal.iter().map(|(index, own)| FollowerPressure {
+        facets: &fluids[*index].facets,
+        pressure: PressureValues::Nodes(own),
+    });
+    pressures.collect()
+}
+
+/// The displacement by which the pressed faces move: none of a linear body's.
+fn moved<'a>(model: &Model<'_>, state: &'a State) -> &'a [f64] {
+    if model.is_rubber() {
+        &state.displacement
+    } else {
+        &[]
+    }
+}
+
+/// Adds the load of all fluids to `force` `[displacement]`.
+pub(crate) fn add_fluids(model: &Model<'_>, state: &State, force: &mut [f64]) {
+    if state.drive.has_fluid_pressure() {
+        let nodal = nodal_pressures(model, state);
+        let body = pressed(model, moved(model, state));
+        add_follower_load(&body, &follower(model, &nodal), force);
+    }
+}
+
+/// Force of one fluid `[3]` and the area that it wets, non-dimensional.
+pub(crate) fn fluid_load(model: &Model<'_>, state: &State, index: usize) -> ([f64; 3], f64) {
+    let space = &model.prepared.space;
+    let body = pressed(model, moved(model, state));
+    let wet = [(index, at_wet_nodes(model, state, index, 1.0))];
+    let wet = follower(model, &wet);
+    let mut load = vec![0.0; space.displacement_unknowns()];
+    add_follower_load(&body, &wet, &mut load);
+    let pressure = state.drive.fluids[index].pressure / model.plan.problem.units.stress;
+    let mut force = [0.0; 3];
+    // Hats sum to one: the rows of the vertices sum to the whole force.
+    for row in load.chunks_exact(space.components).take(space.vertices) {
+        force
+            .iter_mut()
+            .zip(row)
+            .for_each(|(sum, f)| *sum += pressure * f);
+    }
+    (force, follower_sum(&body, &wet))
+}
+
+/// What the fluids take off the stiffness at a state; none where none follows the body.
+pub(crate) fn fluid_tangent(model: &Model<'_>, state: &State) -> Option<SparseRows> {
+    let follows = model.is_rubber() && state.drive.has_fluid_pressure();
+    follows.then(|| {
+        let nodal = nodal_pressures(model, state);
+        let body = pressed(model, moved(model, state));
+        let held = &model.prepared;
+        let tangent = follower_tangent(&body, &follower(model, &nodal), &held.is_held);
+        held.held.project_matrix(tangent)
+    })
+}
+
+/// Coefficients of the contact pressure of all obstacles at the displacement nodes `[nodes]`, by
+/// quadratic Bernstein functions; where a node has several functions of one obstacle, on the sides
+/// of an edge, the largest.
+pub(crate) fn contact_coefficients(model: &Model<'_>, state: &State) -> Vec<f64> {
+    let mut sum = vec![0.0; model.prepared.space.nodes()];
+    let contacts = model.interfaces.list.iter();
+    for interface in contacts.filter(|interface| interface.is_contact()) {
+        let own = coefficients_of(model, state, interface);
+        sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+    }
+    sum
+}
+
+/// Those of one obstacle.
+pub(crate) fn coefficients_of(model: &Model<'_>, state: &State, interface: &Interface) -> Vec<f64> {
+    let own = interface.coefficients(&state.multiplier);
+    let mut at_nodes = vec![0.0_f64; model.prepared.space.nodes()];
+    for face in &interface.surface.faces {
+        let values: Vec<f64> = face.functions.iter().map(|&k| own[k as usize]).collect();
+        let values = elevated(values, face.corners.len());
+        for (&node, value) in face.nodes.iter().zip(values) {
+            let known = &mut at_nodes[node as usize];
+            *known = known.max(value);
+        }
+    }
+    at_nodes
+}
+
+/// Quadratic Bernstein coefficients of a face from its own ones; hats have the mean of their ends on
+/// edges.
+fn elevated(mut values: Vec<f64>, corners: usize) -> Vec<f64> {
+    if values.len() == corners {
+        for a in 0..corners {
+            for b in a + 1..corners {
+                values.push(0.5 * (values[a] + values[b]));
+            }
+        }
+    }
+    values
+}
+
+/// Contact pressure of all obstacles over all that a fluid can reach, in the mean, non-dimensional.
+pub(crate) fn mean_contact(model: &Model<'_>, state: &State, index: usize) -> f64 {
+    let contact = contact_coefficients(model, state);
+    let body = pressed(model, moved(model, state));
+    let sum = |nodal: Vec<f64>| follower_sum(&body, &follower(model, &[(index, nodal)]));
+    let ones = vec![1.0; contact.len()];
+    sum(contact) / sum(ones)
+}
+
+/// What fluid `index` finds on its surface `[nodes of the surface]`, non-dimensional.
+pub(crate) struct Met {
+    /// Coefficients of the contact pressure, what the fluid bears left out.
+    pub(crate) contact: Vec<f64>,
+    /// Pressure of contact and fluid together at the nodes.
+    pub(crate) total: Vec<f64>,
+}
+
+impl Met {
+    /// At the state.
+    pub(crate) fn at(model: &Model<'_>, state: &State, index: usize) -> Self {
+        let surface = &model.plan.problem.fluid_surfaces[index];
+        let fluid = state.drive.fluids[index].pressure / model.plan.problem.units.stress;
+        let contact = surface.own(&contact_coefficients(model, state));
+        let pairs = contact.iter().zip(&state.wet[index]);
+        let sums = pairs.map(|(contact, &wet)| contact + f64::from(wet) * fluid);
+        let total = surface.values(&sums.collect::<Vec<_>>());
+        Self { contact, total }
+    }
+
+    /// The front of fluid `index` there, under `drive`.
+    pub(crate) fn front<'a>(&'a self, plan: &'a Plan, index: usize, drive: &Drive) -> Front<'a> {
+        let problem = &plan.problem;
+        let pressure = drive.fluids[index].pressure;
+        let threshold = problem.resolved.fluids[index].threshold.unwrap_or(pressure);
+        Front {
+            surface: &problem.fluid_surfaces[index],
+            contact: &self.contact,
+            total: &self.total,
+            threshold: threshold / problem.units.stress,
+        }
+    }
+}

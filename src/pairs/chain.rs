@@ -1,0 +1,144 @@
+//! A surface in the plane as faces in a row: who is beside whom, and where it ends.
+//!
+//! Faces run with the body on their left. Two that follow each other share the normal of their common
+//! vertex where they turn by at most 30 degrees, by the tangents of their curved edges at rest; a
+//! sharper corner is an end of both. The surface that carries no multipliers goes straight on beyond
+//! its ends by a share of their faces: without that, the gap jumps where a ray passes an end, and
+//! Newton's method is linear or cycles there. Cost: one map of the vertices.
+
+use std::collections::BTreeMap;
+
+use super::piece::{dot, slope};
+use crate::contact::patches::outward;
+use crate::mesh::Mesh;
+use crate::space::TaylorHood;
+
+/// Least cosine between the tangents of faces that share a normal: 30 degrees.
+const SMOOTH: f64 = 0.866;
+/// Share of a face by which a surface goes on beyond its end.
+const BEYOND: f64 = 0.3;
+
+/// A face of a surface in the plane.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChainFace {
+    /// Displacement nodes: ends a and b with the body to the left of the way from a to b, then the
+    /// edge.
+    pub nodes: [u32; 3],
+    /// Outer vertex and edge of the face before a, and of that after b, which share its normals.
+    pub beside: [Option<[u32; 2]>; 2],
+    /// Whether the mesh has its vertices the other way round.
+    pub is_turned: bool,
+}
+
+/// Faces in the order in which they were given.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    /// All of them.
+    pub faces: Vec<ChainFace>,
+}
+
+impl Chain {
+    /// Of some `facets` of the boundary of a mesh in the plane.
+    pub fn new(mesh: &Mesh, space: &TaylorHood, facets: &[u32]) -> Self {
+        let bare = |&facet: &u32| {
+            let corners = outward(mesh, facet);
+            let [a, b] = [corners[0], corners[1]];
+            let edge = space.edge_between(a, b);
+            ChainFace {
+                nodes: [a, b, edge.map_or(a, |edge| (space.vertices + edge) as u32)],
+                beside: [None, None],
+                is_turned: mesh.facet(facet as usize)[0] != a,
+            }
+        };
+        let mut faces: Vec<ChainFace> = facets.iter().map(bare).collect();
+        let starts = by_vertex(&faces, 0);
+        let ends = by_vertex(&faces, 1);
+        let all = faces.clone();
+        for face in &mut faces {
+            let [a, b, _] = face.nodes;
+            let before = ends.get(&a).copied().flatten().map(|k| all[k].nodes);
+            let after = starts.get(&b).copied().flatten().map(|k| all[k].nodes);
+            let is_smooth = |pair: [[u32; 3]; 2]| turn(mesh, space, pair) >= SMOOTH;
+            let before = before.filter(|&other| is_smooth([other, face.nodes]));
+            let after = after.filter(|&other| is_smooth([face.nodes, other]));
+            face.beside = [
+                before.map(|[outer, _, edge]| [outer, edge]),
+                after.map(|[_, outer, edge]| [outer, edge]),
+            ];
+        }
+        Self { faces }
+    }
+}
+
+impl ChainFace {
+    /// Part of its line that rays may meet.
+    pub(super) fn range(&self) -> [f64; 2] {
+        let [before, after] = self.beside.map(|beside| beside.is_some());
+        [
+            if before { 0.0 } else { -BEYOND },
+            if after { 1.0 } else { 1.0 + BEYOND },
+        ]
+    }
+}
+
+/// The face at each vertex by its `end`; none where several are.
+fn by_vertex(faces: &[ChainFace], end: usize) -> BTreeMap<u32, Option<usize>> {
+    let mut at = BTreeMap::new();
+    for (index, face) in faces.iter().enumerate() {
+        let known = at.entry(face.nodes[end]);
+        known.and_modify(|one| *one = None).or_insert(Some(index));
+    }
+    at
+}
+
+/// Cosine between the tangents of two faces where the first one ends.
+fn turn(mesh: &Mesh, space: &TaylorHood, [first, second]: [[u32; 3]; 2]) -> f64 {
+    let plane = |[x, y, _]: [f64; 3]| [x, y];
+    let nodes = |[a, b, edge]: [u32; 3]| {
+        let corner = |vertex: u32| plane(mesh.coordinates()[vertex as usize]);
+        let middle = (edge as usize).checked_sub(space.vertices);
+        let middle = middle.map_or([0.0; 2], |edge| plane(mesh.offset_of(edge)));
+        [corner(a), corner(b), middle]
+    };
+    let [first, second] = [slope(nodes(first), 1.0), slope(nodes(second), 0.0)];
+    dot(first, second) / (dot(first, first) * dot(second, second)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{GroupKind, samples};
+
+    fn chain(names: &[&str]) -> (Mesh, Chain) {
+        let mesh = samples::rectangle(3, 2);
+        let groups = names.iter().map(|name| {
+            let group = mesh.group(name, GroupKind::Facets).expect("a side");
+            group.members.clone()
+        });
+        let facets: Vec<u32> = groups.flatten().collect();
+        let chain = Chain::new(&mesh, &TaylorHood::new(&mesh), &facets);
+        (mesh, chain)
+    }
+
+    #[test]
+    fn faces_run_with_the_body_on_their_left() {
+        let (mesh, top) = chain(&["y1"]);
+        let x = |vertex: u32| mesh.coordinates()[vertex as usize][0];
+        assert_eq!(top.faces.len(), 3);
+        assert!(
+            top.faces
+                .iter()
+                .all(|face| x(face.nodes[0]) > x(face.nodes[1]))
+        );
+    }
+
+    #[test]
+    fn neighbours_share_normals_but_not_around_a_corner() {
+        let (_, both) = chain(&["y1", "x1"]);
+        let open = both.faces.iter().flat_map(|face| face.beside);
+        assert_eq!(open.filter(Option::is_none).count(), 4);
+        let is_whole = |[from, to]: [f64; 2]| from.abs() + (to - 1.0).abs() < 1e-14;
+        let whole = both.faces.iter().filter(|face| is_whole(face.range()));
+        assert_eq!(whole.count(), 1);
+    }
+}

@@ -1,0 +1,211 @@
+//! Which parts of a face meet which faces of the other surface.
+//!
+//! Ends of the pieces are where the rays of the face pass vertices of the other surface, roots of
+//! cubics. Between two of them the partner is that of the ray in the middle: the nearest face that it
+//! meets from outside, within the reach. The choice is by values alone; derivatives are taken with the
+//! topology as it is. Cost: one cubic a vertex and one ray a part and face among the candidates.
+
+use super::piece::{End, Face, Piece, cross, dot, meeting, minus, point, slope, to_the_right};
+
+/// Pieces shorter than this share of a face are left out.
+const SHORTEST: f64 = 1e-12;
+/// Share of a face by which a hit may miss the end of its partner, for rounding.
+const BESIDE: f64 = 1e-9;
+/// Least cosine between a ray and the normal of what it meets: rays that graze move without bound.
+const GRAZING: f64 = 0.2;
+/// Halvings that find a root to rounding.
+const HALVINGS: usize = 60;
+
+/// A face of the other surface, where it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Partner {
+    /// Ends and edge.
+    pub nodes: [[f64; 2]; 3],
+    /// Part of its line that counts: \[0, 1\], and beyond where the surface ends.
+    pub range: [f64; 2],
+}
+
+/// How far partners are looked for along the rays.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    /// Largest gap.
+    pub open: f64,
+    /// Largest penetration.
+    pub inside: f64,
+}
+
+/// An end of a partner's part as rays of the face see it.
+#[derive(Clone, Copy, Debug)]
+struct Break {
+    s: f64,
+    partner: usize,
+    r: f64,
+}
+
+/// The pieces of a face among `partners`, with the numbers of these, ascending along the face.
+pub(super) fn pieces(
+    face: &Face<f64>,
+    beside: [bool; 2],
+    partners: &[Partner],
+    reach: Reach,
+) -> Vec<(usize, Piece)> {
+    let breaks = breaks(face, partners);
+    let mut places: Vec<f64> = breaks.iter().map(|one| one.s).collect();
+    places.extend([0.0, 1.0]);
+    places.sort_by(f64::total_cmp);
+    let mut runs: Vec<(usize, [f64; 2])> = Vec::new();
+    for pair in places
+        .windows(2)
+        .filter(|pair| pair[1] - pair[0] > SHORTEST)
+    {
+        let Some(partner) = nearest(face, 0.5 * (pair[0] + pair[1]), partners, reach) else {
+            continue;
+        };
+        match runs.last_mut() {
+            // A vertex of another part that the rays pass on their way.
+            Some((same, run)) if *same == partner && pair[0] - run[1] <= SHORTEST => {
+                run[1] = pair[1]
+            }
+            _ => runs.push((partner, [pair[0], pair[1]])),
+        }
+    }
+    let piece = |(partner, run): (usize, [f64; 2])| {
+        let ends = run.map(|s| end(s, partner, &breaks));
+        (partner, Piece { beside, ends })
+    };
+    runs.into_iter().map(piece).collect()
+}
+
+/// The end of a piece at `s`.
+fn end(s: f64, partner: usize, breaks: &[Break]) -> End {
+    if !(SHORTEST..=1.0 - SHORTEST).contains(&s) {
+        return End::Fixed(s.round());
+    }
+    let own = breaks.iter().filter(|one| one.partner == partner);
+    let own = own.min_by(|a, b| (a.s - s).abs().total_cmp(&(b.s - s).abs()));
+    match own.filter(|own| (own.s - s).abs() <= BESIDE) {
+        Some(own) => End::Opposite { s: own.s, r: own.r },
+        None => End::Fixed(s),
+    }
+}
+
+/// Where the rays of the face pass the ends of all partners.
+fn breaks(face: &Face<f64>, partners: &[Partner]) -> Vec<Break> {
+    let mut breaks = Vec::new();
+    for (partner, other) in partners.iter().enumerate() {
+        for r in other.range {
+            let v = point(other.nodes, r);
+            let roots = roots(cubic(face, v)).into_iter();
+            breaks.extend(roots.map(|s| Break { s, partner, r }));
+        }
+    }
+    breaks
+}
+
+/// Coefficients of T.(x - v) by powers of s.
+fn cubic(face: &Face<f64>, v: [f64; 2]) -> [f64; 4] {
+    let [a, b, middle] = face.nodes;
+    let [first, last] = face.tangents;
+    let turn = minus(last, first);
+    let bulge = middle.map(|x| 4.0 * x);
+    let by_power = [
+        minus(a, v),
+        [0, 1].map(|i| b[i] - a[i] + bulge[i]),
+        bulge.map(|x| -x),
+    ];
+    let [zero, one, two] = by_power;
+    [
+        dot(first, zero),
+        dot(first, one) + dot(turn, zero),
+        dot(first, two) + dot(turn, one),
+        dot(turn, two),
+    ]
+}
+
+fn value([k0, k1, k2, k3]: [f64; 4], s: f64) -> f64 {
+    k0 + s * (k1 + s * (k2 + s * k3))
+}
+
+/// Roots of a cubic in (0, 1), by halving between its extrema.
+fn roots(k: [f64; 4]) -> Vec<f64> {
+    let [_, b, c, d] = [k[0], k[1], 2.0 * k[2], 3.0 * k[3]];
+    let size = (c * c - 4.0 * d * b).sqrt();
+    let pivot = -0.5 * (c + size.copysign(c));
+    let extrema = [pivot / d, b / pivot].into_iter();
+    let mut marks: Vec<f64> = extrema.filter(|s| *s > 0.0 && *s < 1.0).collect();
+    marks.extend([0.0, 1.0]);
+    marks.sort_by(f64::total_cmp);
+    let between = marks
+        .windows(2)
+        .filter_map(|ends| root(k, [ends[0], ends[1]]));
+    between.collect()
+}
+
+/// The root between two places where the cubic is monotone; none without a change of sign.
+fn root(k: [f64; 4], [mut low, mut high]: [f64; 2]) -> Option<f64> {
+    let is_positive = |s: f64| value(k, s) > 0.0;
+    let first = is_positive(low);
+    if first == is_positive(high) {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if is_positive(middle) == first {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
+}
+
+/// The nearest partner that the ray from `s` meets from outside.
+fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Option<usize> {
+    let mut best: Option<(usize, f64)> = None;
+    for (index, partner) in partners.iter().enumerate() {
+        let Some(gap) = gap_to(face, s, partner) else {
+            continue;
+        };
+        let is_near = gap <= reach.open && -gap <= reach.inside;
+        if is_near && best.is_none_or(|(_, least)| gap.abs() < least) {
+            best = Some((index, gap.abs()));
+        }
+    }
+    best.map(|(index, _)| index)
+}
+
+/// Distance from a point of the face to a partner along the ray there, negative inside; none where
+/// the ray misses it, grazes it or meets it from behind.
+pub(super) fn gap_to(face: &Face<f64>, s: f64, partner: &Partner) -> Option<f64> {
+    let [tangent, _] = face.tangent(s);
+    let n = to_the_right(tangent);
+    let r = meeting(point(face.nodes, s), tangent, partner.nodes)?;
+    let [low, high] = partner.range;
+    if !(low - BESIDE..=high + BESIDE).contains(&r) {
+        return None;
+    }
+    let other = slope(partner.nodes, r);
+    let size = dot(n, n).sqrt();
+    let cosine = cross(n, other) / (size * dot(other, other).sqrt());
+    let [gap, _] = face.gap(s, partner.nodes, r);
+    (cosine <= -GRAZING).then_some(gap * size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roots_of_cubics_are_found_between_their_extrema() {
+        // (s - .1)(s - .4)(s - .9)
+        let found = roots([-0.036, 0.49, -1.4, 1.0]);
+        for (found, exact) in found.iter().zip([0.1, 0.4, 0.9]) {
+            assert!((found - exact).abs() < 1e-14, "{found}");
+        }
+        assert_eq!(found.len(), 3);
+        // A line, a parabola, and none.
+        assert!((roots([-0.25, 1.0, 0.0, 0.0])[0] - 0.25).abs() < 1e-15);
+        assert_eq!(roots([0.21, -1.0, 1.0, 0.0]).len(), 2);
+        assert!(roots([1.0, 0.5, 0.0, 0.0]).is_empty());
+    }
+}

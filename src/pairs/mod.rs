@@ -1,0 +1,41 @@
+//! Contact between two surfaces of the body: who meets whom, and the gap between them, measured by
+//! its volume, with exact first and second derivatives by the nodes of both.
+//!
+//! One surface carries the multipliers Lam_j >= 0 with functions psi_j that add up to one. The rays of
+//! its averaged normals sweep the space up to the other surface, and
+//!
+//! ```text
+//! G_j = int psi_j dV >= 0,   sum_j G_j = V,   L = E - sum_j Lam_j G_j
+//! ```
+//!
+//! V the volume between the surfaces. An even pressure then works on the volume of the bodies and of
+//! the gap, which stays what it is, so that it has no second variation whatever its size; Lam is the
+//! Cauchy pressure on both surfaces. Rays are cut where their partner ends (segments), so that every
+//! integral is one of smooth functions. Forces are derivatives of objective gaps: their sum and their
+//! moment vanish. So far in the plane.
+//!
+//! | file | part |
+//! |---|---|
+//! | [`number`] | numbers with first and second derivatives |
+//! | [`piece`] | the gap of a piece of a face on one partner |
+//! | [`choice`] | which pieces have which partners |
+//! | [`chain`] | surfaces: neighbours, corners, ends |
+//! | [`tree`] | faces near a face |
+//! | [`pair`] | gaps of two surfaces |
+//!
+//! References: M. Puso and T. Laursen, *A mortar segment-to-segment contact method for large
+//! deformation solid mechanics* (2004); A. Popp, M. Gitterle, M. Gee and W. Wall, *A dual mortar
+//! approach for 3D finite deformation contact* (2010), for averaged normals and segments.
+
+pub mod chain;
+pub mod choice;
+pub mod number;
+pub mod pair;
+pub mod piece;
+pub mod tree;
+
+pub use chain::{Chain, ChainFace};
+pub use pair::{Meeting, Pair, Part, Placed, Probe};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,147 @@
+//! Goals as users name them: functionals of an increment whose error or derivatives are asked for.
+//!
+//! | text | functional | unit |
+//! |---|---|---|
+//! | `force.NAME.x` | force of an obstacle on the body | force |
+//! | `moment.NAME.z` | its moment about its reference point | force times length |
+//! | `reaction.NAME.y` | force of a support on the body | force |
+//! | `displacement.NAME.y` | displacement of a probe | length |
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A text that names no goal or parameter.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` is not of the form {expected}")]
+pub struct Malformed {
+    /// The text.
+    pub text: String,
+    /// What it should be.
+    pub expected: &'static str,
+}
+
+/// A functional of the state, whose error or derivatives are asked for.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Goal {
+    /// What is measured.
+    pub kind: GoalKind,
+    /// Name of the obstacle, the support or the probe.
+    pub name: String,
+    /// Axis of the component, 0 to 2.
+    pub axis: u8,
+}
+
+/// What a goal measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum GoalKind {
+    /// Force that an obstacle exerts on the body.
+    Force,
+    /// Moment of that force about the obstacle's present reference point.
+    Moment,
+    /// Force that a support exerts on the body.
+    Reaction,
+    /// Displacement of a probe.
+    Displacement,
+}
+
+impl GoalKind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::Force,
+        Self::Moment,
+        Self::Reaction,
+        Self::Displacement,
+    ];
+
+    /// The name used in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Force => "force",
+            Self::Moment => "moment",
+            Self::Reaction => "reaction",
+            Self::Displacement => "displacement",
+        }
+    }
+
+    /// What the name of such a goal is the name of.
+    pub fn owner(self) -> &'static str {
+        match self {
+            Self::Force | Self::Moment => "obstacle",
+            Self::Reaction => "support",
+            Self::Displacement => "probe",
+        }
+    }
+}
+
+/// The axis of that name.
+pub(super) fn axis(text: &str) -> Option<u8> {
+    ["x", "y", "z"]
+        .iter()
+        .position(|name| *name == text)
+        .map(|axis| axis as u8)
+}
+
+/// The name of an axis.
+pub(super) fn axis_name(axis: u8) -> &'static str {
+    ["x", "y", "z"].get(usize::from(axis)).unwrap_or(&"z")
+}
+
+impl fmt::Display for Goal {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let axis = axis_name(self.axis);
+        write!(out, "{}.{}.{axis}", self.kind.name(), self.name)
+    }
+}
+
+impl FromStr for Goal {
+    type Err = Malformed;
+
+    /// Names may have dots in them.
+    fn from_str(text: &str) -> Result<Self, Malformed> {
+        let malformed = || Malformed {
+            text: text.to_owned(),
+            expected: "KIND.NAME.AXIS, such as force.lid.y; kinds are force, moment, reaction and \
+                       displacement",
+        };
+        let (kind, rest) = text.split_once('.').ok_or_else(malformed)?;
+        let (name, last) = rest.rsplit_once('.').ok_or_else(malformed)?;
+        let mut kinds = GoalKind::ALL.into_iter();
+        let kind = kinds.find(|one| one.name() == kind).ok_or_else(malformed)?;
+        let axis = axis(last).ok_or_else(malformed)?;
+        if name.is_empty() {
+            return Err(malformed());
+        }
+        Ok(Self {
+            kind,
+            name: name.to_owned(),
+            axis,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_goal_reads_what_it_writes() {
+        for text in ["force.lid.y", "reaction.left.wall.x", "displacement.p.z"] {
+            assert_eq!(text.parse::<Goal>().expect("a goal").to_string(), text);
+        }
+    }
+
+    #[test]
+    fn what_is_no_goal_is_refused_with_its_text() {
+        for text in [
+            "",
+            "force",
+            "force.y",
+            "force..y",
+            "force.lid",
+            "area.lid.y",
+        ] {
+            let error = text.parse::<Goal>().expect_err("no goal").to_string();
+            assert!(error.contains(&format!("`{text}`")), "{error}");
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! Parameters as users name them, by the keys of the scene.
+//!
+//! | text | parameter | unit |
+//! |---|---|---|
+//! | `material.GROUP.c10` | a constant of a law; of lists `mu.0`, `alpha.1` | its own |
+//! | `obstacle.NAME.translation.x` | pose of an obstacle | length |
+//! | `obstacle.NAME.rotation.z` | the same, its rotation vector | radians |
+//! | `obstacle.NAME.radius` | a number of its shape; `centre.x` | its own |
+//! | `obstacle.NAME.force.y` | what the obstacle is pushed by, also `moment.z` | force |
+//! | `load` | factor of all loads | |
+//! | `pressure.0` | a follower pressure, by its place in the scene | stress |
+//! | `traction.0.x` | a dead load, by its place or its name | stress |
+//! | `body_force.y` | | force per volume |
+//! | `support.NAME.x` | what a support prescribes | length |
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::goal::{Malformed, axis, axis_name};
+
+/// What a goal is differentiated by.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Parameter {
+    /// A constant of the law of a group of cells, by its key in the scene.
+    Material {
+        /// The group.
+        group: String,
+        /// The key.
+        constant: String,
+    },
+    /// A component of an obstacle's pose.
+    Pose {
+        /// The obstacle.
+        obstacle: String,
+        /// 0 to 2 along an axis, 3 to 5 about one.
+        axis: u8,
+    },
+    /// What an obstacle is pushed by, whose pose follows from it.
+    Push {
+        /// The obstacle.
+        obstacle: String,
+        /// 0 to 2 force, 3 to 5 moment.
+        axis: u8,
+    },
+    /// A number of an obstacle's shape, by its key in the scene.
+    Shape {
+        /// The obstacle.
+        obstacle: String,
+        /// The key; of points with the axis, `centre.x`.
+        key: String,
+    },
+    /// The factor of all loads.
+    Load,
+    /// A follower pressure.
+    Pressure {
+        /// Its place among the pressures of the scene.
+        index: usize,
+    },
+    /// A component of a dead load.
+    Traction {
+        /// Its name, or its place among the tractions of the scene.
+        item: String,
+        /// 0 to 2.
+        axis: u8,
+    },
+    /// A component of the force per volume.
+    BodyForce {
+        /// 0 to 2.
+        axis: u8,
+    },
+    /// A component that a support prescribes.
+    Support {
+        /// The support.
+        support: String,
+        /// 0 to 2.
+        axis: u8,
+    },
+}
+
+/// The form of parameters, for messages.
+const FORM: &str = "material.GROUP.KEY, obstacle.NAME.KEY, support.NAME.AXIS, pressure.NUMBER, \
+                    traction.NAME.AXIS, body_force.AXIS or load";
+
+/// Keys of an obstacle with an axis that are not its shape's, and their first axis.
+const MOTIONS: [(&str, u8); 4] = [
+    ("translation", 0),
+    ("rotation", 3),
+    ("force", 0),
+    ("moment", 3),
+];
+
+impl FromStr for Parameter {
+    type Err = Malformed;
+
+    fn from_str(text: &str) -> Result<Self, Malformed> {
+        parsed(text).ok_or_else(|| Malformed {
+            text: text.to_owned(),
+            expected: FORM,
+        })
+    }
+}
+
+fn parsed(text: &str) -> Option<Parameter> {
+    if text == "load" {
+        return Some(Parameter::Load);
+    }
+    let (kind, rest) = text.split_once('.')?;
+    match kind {
+        "material" => {
+            let (group, constant) = with_key(rest, |last| last.parse::<usize>().is_ok())?;
+            Some(Parameter::Material { group, constant })
+        }
+        "obstacle" => of_obstacle(rest),
+        "support" => {
+            let (support, last) = rest.rsplit_once('.')?;
+            Some(Parameter::Support {
+                support: support.to_owned(),
+                axis: axis(last)?,
+            })
+        }
+        "pressure" => Some(Parameter::Pressure {
+            index: rest.parse().ok()?,
+        }),
+        "traction" => {
+            let (item, last) = rest.rsplit_once('.')?;
+            Some(Parameter::Traction {
+                item: item.to_owned(),
+                axis: axis(last)?,
+            })
+        }
+        "body_force" => Some(Parameter::BodyForce { axis: axis(rest)? }),
+        _ => None,
+    }
+}
+
+/// A name and the key after it, whose last part belongs to the one before where `is_part`.
+fn with_key(text: &str, is_part: impl Fn(&str) -> bool) -> Option<(String, String)> {
+    let (before, last) = text.rsplit_once('.')?;
+    let (name, key) = match before.rsplit_once('.').filter(|_| is_part(last)) {
+        Some((name, key)) => (name, format!("{key}.{last}")),
+        None => (before, last.to_owned()),
+    };
+    (!name.is_empty() && !key.is_empty()).then(|| (name.to_owned(), key))
+}
+
+fn of_obstacle(text: &str) -> Option<Parameter> {
+    let (obstacle, key) = with_key(text, |last| axis(last).is_some())?;
+    let motion = key.split_once('.').and_then(|(key, last)| {
+        let (key, first) = MOTIONS.into_iter().find(|(name, _)| *name == key)?;
+        Some((key, first + axis(last)?))
+    });
+    Some(match motion {
+        Some(("translation" | "rotation", axis)) => Parameter::Pose { obstacle, axis },
+        Some((_, axis)) => Parameter::Push { obstacle, axis },
+        None => Parameter::Shape { obstacle, key },
+    })
+}
+
+impl fmt::Display for Parameter {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let of_six = |[along, about]: [&'static str; 2], axis: u8| {
+            let half = if axis < 3 { along } else { about };
+            format!("{half}.{}", axis_name(axis % 3))
+        };
+        match self {
+            Self::Material { group, constant } => write!(out, "material.{group}.{constant}"),
+            Self::Pose { obstacle, axis } => {
+                let key = of_six(["translation", "rotation"], *axis);
+                write!(out, "obstacle.{obstacle}.{key}")
+            }
+            Self::Push { obstacle, axis } => {
+                let key = of_six(["force", "moment"], *axis);
+                write!(out, "obstacle.{obstacle}.{key}")
+            }
+            Self::Shape { obstacle, key } => write!(out, "obstacle.{obstacle}.{key}"),
+            Self::Load => write!(out, "load"),
+            Self::Pressure { index } => write!(out, "pressure.{index}"),
+            Self::Traction { item, axis } => write!(out, "traction.{item}.{}", axis_name(*axis)),
+            Self::BodyForce { axis } => write!(out, "body_force.{}", axis_name(*axis)),
+            Self::Support { support, axis } => {
+                write!(out, "support.{support}.{}", axis_name(*axis))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parameter_reads_what_it_writes() {
+        for text in [
+            "material.body.c10",
+            "material.left.half.mu.0",
+            "obstacle.ball.translation.y",
+            "obstacle.the.ball.rotation.z",
+            "obstacle.ball.radius",
+            "obstacle.ball.centre.x",
+            "obstacle.lid.force.y",
+            "load",
+            "pressure.0",
+            "traction.side.x",
+            "body_force.z",
+            "support.base.x",
+        ] {
+            assert_eq!(
+                text.parse::<Parameter>().expect("a parameter").to_string(),
+                text
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_no_parameter_is_refused_with_its_text() {
+        for text in [
+            "",
+            "loads",
+            "material.c10",
+            "pressure.x",
+            "support.base",
+            "body_force.w",
+        ] {
+            let error = text
+                .parse::<Parameter>()
+                .expect_err("no parameter")
+                .to_string();
+            assert!(error.contains(&format!("`{text}`")), "{error}");
+        }
+    }
+}

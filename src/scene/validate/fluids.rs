@@ -1,0 +1,153 @@
+//! Fluids: names, groups, values, and what steps ask of them.
+
+use super::{Faults, ResolvedFluid, names};
+use crate::mesh::Mesh;
+use crate::scene::names::hint;
+use crate::scene::{
+    Fluid, FluidLoad, FluidThreshold, Material, MaterialModel, Scene, SceneKind, Step,
+};
+
+/// Fluids of a scene at most: each costs a pass over its surface.
+const MOST_FLUIDS: usize = 64;
+/// Widest bracket of a blow-off pressure.
+const WIDEST: f64 = 0.5;
+
+/// The fluids on their facets.
+pub(crate) fn resolve(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<ResolvedFluid> {
+    if scene.fluids.is_empty() {
+        return Vec::new();
+    }
+    let all = scene.fluids.iter().map(|fluid| fluid.name.as_str());
+    names::check_unique(faults, "fluid", all);
+    refuse(scene, faults);
+    let fluids = scene.fluids.iter().take(MOST_FLUIDS);
+    fluids.map(|fluid| one(fluid, mesh, faults)).collect()
+}
+
+/// Refuses scenes that no fluid surrounds.
+fn refuse(scene: &Scene, faults: &mut Faults) {
+    if scene.fluids.len() > MOST_FLUIDS {
+        let message = format!(
+            "are {}; at most {MOST_FLUIDS} are allowed",
+            scene.fluids.len()
+        );
+        faults.add("fluid", message);
+    }
+    if scene.manufactured.is_some() {
+        faults.add(
+            "fluid",
+            "stands beside a manufactured field, which brings its own loads",
+        );
+    }
+    if scene.kind == Some(SceneKind::PlaneStress) {
+        faults.unsupported("fluid", "a fluid on a sheet, whose thickness changes");
+    }
+    let is_flow = |one: &Material| matches!(one.model, MaterialModel::Stokes { .. });
+    if scene.materials.iter().any(is_flow) {
+        faults.unsupported("fluid", "a fluid beside a body that flows itself");
+    }
+}
+
+fn one(fluid: &Fluid, mesh: &Mesh, faults: &mut Faults) -> ResolvedFluid {
+    let path = format!("fluid.{}", fluid.name);
+    let mut groups = |key: &str, on: &[String]| {
+        let key = format!("{path}.{key}");
+        let facets = names::facets(mesh, &key, on, faults);
+        names::refuse_inner_facets(mesh, &facets, key, faults);
+        facets
+    };
+    let on = groups("on", &fluid.on);
+    let from = groups("from", &fluid.from);
+    let dry = match &fluid.dry[..] {
+        [] => Vec::new(),
+        dry => groups("dry", dry),
+    };
+    values(fluid, &path, faults);
+    let mut facets = [on, from.clone()].concat();
+    facets.sort_unstable();
+    facets.dedup();
+    if faults.is_empty() {
+        surfaces(mesh, [&facets, &from, &dry], &path, faults);
+    }
+    facets.retain(|facet| dry.binary_search(facet).is_err());
+    ResolvedFluid {
+        name: fluid.name.clone(),
+        facets,
+        from,
+        dry,
+        pressure: fluid.pressure,
+        threshold: match fluid.threshold {
+            FluidThreshold::Fluid => None,
+            FluidThreshold::Pressure(pressure) => Some(pressure),
+        },
+        film: fluid.film,
+        blow_off_tolerance: fluid.blow_off_tolerance,
+    }
+}
+
+fn values(fluid: &Fluid, path: &str, faults: &mut Faults) {
+    faults.not_negative(&format!("{path}.pressure"), fluid.pressure);
+    if let FluidThreshold::Pressure(pressure) = fluid.threshold {
+        faults.not_negative(&format!("{path}.threshold"), pressure);
+    }
+    let tolerance = fluid.blow_off_tolerance;
+    if !(tolerance > 0.0 && tolerance <= WIDEST) {
+        let message = format!("must be above zero and at most {WIDEST}, not {tolerance}");
+        faults.add(format!("{path}.blow_off_tolerance"), message);
+    }
+}
+
+/// What is wet, what shall stay dry and the surface between them belong together.
+fn surfaces(mesh: &Mesh, facets: [&[u32]; 3], path: &str, faults: &mut Faults) {
+    let [all, from, dry] = facets;
+    let vertices = |facets: &[u32]| {
+        let corners = facets.iter().flat_map(|&facet| mesh.facet(facet as usize));
+        let mut vertices: Vec<u32> = corners.copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices
+    };
+    let [all, from, dry] = [all, from, dry].map(vertices);
+    let key = format!("{path}.dry");
+    let shared = |one: &[u32], other: &[u32]| {
+        one.iter()
+            .copied()
+            .find(|vertex| other.binary_search(vertex).is_ok())
+    };
+    if let Some(vertex) = shared(&dry, &from) {
+        let vertex = mesh.used_vertices()[vertex as usize];
+        let message = format!(
+            "meets `from` at vertex {vertex}: the fluid is there from the start; leave facets between them"
+        );
+        faults.add(key, message);
+    } else if !dry.is_empty() && shared(&dry, &all).is_none() {
+        faults.add(
+            key,
+            "touches nothing of `on` and `from`: the fluid can never reach it",
+        );
+    }
+}
+
+/// Adds the faults of what a step asks of fluids, whose key is `path`.
+pub(super) fn check_step(scene: &Scene, step: &Step, path: &str, faults: &mut Faults) {
+    for target in &step.fluids {
+        if faults.is_full() {
+            return;
+        }
+        let path = format!("{path}.fluid.{}", target.name);
+        let known = scene.fluids.iter().map(|one| one.name.as_str());
+        if !known.clone().any(|name| name == target.name) {
+            let hint = hint(&target.name, known);
+            let message = format!("the scene has no fluid `{}`{hint}", target.name);
+            faults.add(&path, message);
+        }
+        match target.load {
+            FluidLoad::To(pressure) => {
+                faults.not_negative(&format!("{path}.pressure"), pressure);
+            }
+            FluidLoad::ToBlowOff(most) => {
+                faults.above_zero(&format!("{path}.up_to"), most);
+            }
+        }
+    }
+}

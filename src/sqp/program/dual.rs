@@ -1,0 +1,344 @@
+//! The dual problem of a program: the transposed system on the contacts that hold,
+//!
+//! ```text
+//! [ (A - G)^T  B^T  C^T ] [y_u]   [J_u]
+//! [ B          -S       ] [y_p] = [J_p]     rows and columns of open contacts left out
+//! [ C                   ] [y_l]   [J_l]
+//! ```
+//!
+//! `[displacement]`, `[pressures]`, `[multipliers]`, non-dimensional. y are the sensitivities of a
+//! functional J to the residuals of the state (R. Becker and R. Rannacher, Acta Numerica 10, 2001).
+//! Passes of GCR with the approximate inverse or the factor in use, each from the residual
+//! computed anew; where they stagnate, with a factor of the body. Bodies without friction only.
+//! Cost: that of a program on a fixed set of contacts.
+
+use std::sync::atomic::Ordering;
+
+use super::QuadraticProgram;
+use super::step::blocks;
+use crate::inequality::{
+    BlockIterate, OneLevel, QpIterate, QpNorms, QpRun, QpScales, QpStatus, QpTargets,
+};
+use crate::krylov::Verdict;
+use crate::linalg::vector::{add_scaled, norm};
+use crate::linalg::{LinearOperator, SparseRows, Workspace};
+use crate::precond::Counted;
+use crate::saddle::{EqualityBlock, SaddleOperator, Status};
+use crate::sqp::run::Run;
+
+constants! {
+    /// True residual over its scale that a solution may leave: derivatives are wrong by about as
+    /// much.
+    const TARGET: f64 = 1e-10;
+    /// Reduction of the residual in one pass, beyond which that which GCR carries along parts from
+    /// the true one.
+    const REDUCTION: f64 = 1e-6;
+    /// Passes at most.
+    const MOST_PASSES: u32 = 8;
+    /// Krylov iterations of one pass, at most.
+    const MOST_PER_PASS: u32 = 600;
+}
+
+/// A vector of all unknowns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Fields {
+    /// `[displacement]`.
+    pub(crate) displacement: Vec<f64>,
+    /// `[pressures]`.
+    pub(crate) pressure: Vec<f64>,
+    /// `[multipliers]`.
+    pub(crate) multiplier: Vec<f64>,
+}
+
+impl Fields {
+    /// Zeros, as many as `other` has.
+    pub(crate) fn zeros_like(other: &Self) -> Self {
+        Self {
+            displacement: vec![0.0; other.displacement.len()],
+            pressure: vec![0.0; other.pressure.len()],
+            multiplier: vec![0.0; other.multiplier.len()],
+        }
+    }
+
+    fn add(&mut self, other: &Self) {
+        add_scaled(&mut self.displacement, 1.0, &other.displacement);
+        add_scaled(&mut self.pressure, 1.0, &other.pressure);
+        add_scaled(&mut self.multiplier, 1.0, &other.multiplier);
+    }
+
+    fn norms(&self) -> QpNorms {
+        QpNorms {
+            force: norm(&self.displacement),
+            constraint: norm(&self.pressure),
+            gap: norm(&self.multiplier),
+        }
+    }
+}
+
+/// A dual solution.
+#[derive(Clone, Debug)]
+pub(crate) struct DualSolution {
+    /// y.
+    pub(crate) fields: Fields,
+    /// Its true residual over its scale.
+    pub(crate) residual: f64,
+}
+
+/// Why there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum DualFailure {
+    /// The caller asked to stop.
+    Stopped,
+    /// Passes end at this residual.
+    Residual(f64),
+}
+
+/// A dual problem: the transposed matrix and its right side.
+struct DualProblem<'p> {
+    /// G^T.
+    curvature: Option<&'p SparseRows>,
+    /// J_u, J_p, J_l, those of open contacts zero.
+    right: &'p Fields,
+    /// What each multiplier does `[multipliers]`.
+    status: &'p [Status],
+}
+
+/// Where the passes have come to.
+struct Passes {
+    solution: Fields,
+    left: Fields,
+    scales: QpScales,
+    /// Norm of the force that counts as one.
+    force_scale: f64,
+}
+
+impl Passes {
+    fn relative(&self) -> f64 {
+        self.left.norms().relative(self.force_scale, &self.scales)
+    }
+}
+
+impl QuadraticProgram<'_> {
+    /// y of the functional whose derivative is `right`; what belongs to held unknowns and open
+    /// contacts is not read.
+    ///
+    /// # Errors
+    /// [`DualFailure`].
+    pub(crate) fn solve_dual(
+        &mut self,
+        run: &mut Run<'_>,
+        right: &Fields,
+    ) -> Result<DualSolution, DualFailure> {
+        if run.learned.factored.is_some() {
+            self.take_kept_factor(run);
+        }
+        let right = self.on_contacts(right, &run.state.status);
+        let status = run.state.status.clone();
+        let curvature = self.geometric.all().map(SparseRows::transposed);
+        let problem = DualProblem {
+            curvature: curvature.as_ref(),
+            right: &right,
+            status: &status,
+        };
+        let mut at = self.first_pass(&problem);
+        for _ in 0..MOST_PASSES {
+            let before = at.relative();
+            if before <= TARGET {
+                break;
+            }
+            let failed = self.pass(run, &problem, &mut at);
+            if failed == Some(QpStatus::Interrupted) {
+                return Err(DualFailure::Stopped);
+            }
+            let stagnates = failed.is_some() || at.relative() > 0.5 * before;
+            let may_take_factor = !self.has_fresh_factor && self.model.plan.factor_cost().is_some();
+            if stagnates && !(may_take_factor && self.take_factor(run)) && failed.is_some() {
+                break;
+            }
+        }
+        let residual = at.relative();
+        if residual <= TARGET {
+            Ok(DualSolution {
+                fields: at.solution,
+                residual,
+            })
+        } else {
+            Err(DualFailure::Residual(residual))
+        }
+    }
+
+    /// `right` without what is held or open.
+    fn on_contacts(&self, right: &Fields, status: &[Status]) -> Fields {
+        let mut right = right.clone();
+        self.model.prepared.held.mask(&mut right.displacement);
+        let open = right.multiplier.iter_mut().zip(status);
+        open.filter(|(_, status)| **status != Status::Stick)
+            .for_each(|(value, _)| *value = 0.0);
+        right
+    }
+
+    /// Nothing solved yet.
+    fn first_pass(&self, problem: &DualProblem<'_>) -> Passes {
+        let norms = problem.right.norms();
+        Passes {
+            solution: Fields::zeros_like(problem.right),
+            left: problem.right.clone(),
+            scales: QpScales {
+                constraint: norms.constraint,
+                gap: norms.gap,
+            },
+            // What contact answers is not known yet.
+            force_scale: if norms.force > 0.0 {
+                norms.force
+            } else {
+                f64::INFINITY
+            },
+        }
+    }
+
+    /// One pass of GCR from the residual; why it ended early.
+    fn pass(
+        &self,
+        run: &mut Run<'_>,
+        problem: &DualProblem<'_>,
+        at: &mut Passes,
+    ) -> Option<QpStatus> {
+        let (step, failed) = self.correction(run, problem, at);
+        at.solution.add(&step);
+        at.left = self.residual(problem, &at.solution, run.work);
+        let mut contact = vec![0.0; at.left.displacement.len()];
+        let coupling = &self.now.coupling;
+        coupling.add_transposed(1.0, &at.solution.multiplier, &mut contact, run.work);
+        let scale = norm(&problem.right.displacement).max(norm(&contact));
+        at.force_scale = if scale > 0.0 { scale } else { f64::INFINITY };
+        let QpScales { constraint, gap } = self.unsolved_norms(&at.solution, run.work);
+        at.scales.see(constraint, gap);
+        failed
+    }
+
+    /// Norms of the volumes and gaps of a motion as large as y whose nodes go to and fro: beside
+    /// them is seen what y leaves. What a good preconditioner has shown on the way is rounding.
+    fn unsolved_norms(&self, y: &Fields, work: &mut Workspace) -> QpScales {
+        let components = self.model.prepared.space.components;
+        let mut motion = y.displacement.clone();
+        for (node, row) in motion.chunks_exact_mut(components).enumerate() {
+            if node % 2 == 1 {
+                row.iter_mut().for_each(|x| *x = -*x);
+            }
+        }
+        let mut volumes = vec![0.0; y.pressure.len()];
+        if let Some(pressure) = self.pressure() {
+            pressure.rows.apply(&motion, &mut volumes, work);
+        }
+        let mut gaps = vec![0.0; y.multiplier.len()];
+        self.now.coupling.apply(&motion, &mut gaps, work);
+        QpScales {
+            constraint: norm(&volumes),
+            gap: norm(&gaps),
+        }
+    }
+
+    /// What GCR makes of the residual.
+    fn correction(
+        &self,
+        run: &mut Run<'_>,
+        problem: &DualProblem<'_>,
+        at: &mut Passes,
+    ) -> (Fields, Option<QpStatus>) {
+        let mut iterate = at_residual(&at.left, problem.status);
+        let targets = QpTargets {
+            force_scale: at.force_scale,
+            level: (0.3 * TARGET).max(REDUCTION * at.relative()),
+            multiplier_error: None,
+        };
+        let displacement = Counted::new(&*self.inverse.displacement);
+        if let Some(body) = &self.factored {
+            body.begin();
+        }
+        let blocks = self.blocks();
+        let step = self.block_step(&displacement, run.work);
+        let face = self.problem(problem.curvature, &displacement, &blocks, &*step);
+        let Run {
+            learned,
+            watch,
+            counters,
+            work,
+            ..
+        } = run;
+        let mut progress = |_: &QpNorms, _: &QpScales, _: usize| match watch.stopped(counters) {
+            Some(_) => Verdict::Stop,
+            None => Verdict::Continue,
+        };
+        learned.directions.clear(work);
+        let mut solve = QpRun {
+            targets,
+            scales: &mut at.scales,
+            iterations: MOST_PER_PASS,
+            directions: &mut learned.directions,
+            progress: &mut progress,
+            work,
+        };
+        let failed = OneLevel::new(face).solve_on_face(&mut iterate, &mut solve);
+        counters.applications += displacement.applications();
+        if let Some(body) = &self.factored {
+            counters.applications += body.solutions.load(Ordering::Relaxed);
+        }
+        (fields_of(iterate, at), failed)
+    }
+
+    /// What y leaves of the right side.
+    fn residual(&self, problem: &DualProblem<'_>, y: &Fields, work: &mut Workspace) -> Fields {
+        let blocks: Vec<EqualityBlock<'_>> = self.pressure().into_iter().collect();
+        let operator = SaddleOperator {
+            stiffness: self.stiffness(),
+            geometric: problem.curvature.map(|all| all as &dyn LinearOperator),
+            blocks: &blocks,
+        };
+        let body = [&y.displacement[..], &y.pressure].concat();
+        let mut product = vec![0.0; body.len()];
+        operator.apply(&body, &mut product, work);
+        let (force, volumes) = product.split_at(y.displacement.len());
+        let mut left = problem.right.clone();
+        add_scaled(&mut left.displacement, -1.0, force);
+        add_scaled(&mut left.pressure, -1.0, volumes);
+        let coupling = &self.now.coupling;
+        coupling.add_transposed(-1.0, &y.multiplier, &mut left.displacement, work);
+        coupling.subtract_product(&y.displacement, &mut left.multiplier, work);
+        let open = left.multiplier.iter_mut().zip(problem.status);
+        open.filter(|(_, status)| **status != Status::Stick)
+            .for_each(|(value, _)| *value = 0.0);
+        left
+    }
+}
+
+/// Nothing solved yet of the residual `left`.
+fn at_residual(left: &Fields, status: &[Status]) -> QpIterate {
+    QpIterate {
+        displacement: vec![0.0; left.displacement.len()],
+        force: left.displacement.clone(),
+        blocks: blocks(
+            left.pressure.clone(),
+            BlockIterate {
+                multiplier: vec![0.0; left.multiplier.len()],
+                residual: left.multiplier.clone(),
+                status: status.to_vec(),
+                slides: Vec::new(),
+            },
+        ),
+    }
+}
+
+/// The increments of a solved iterate.
+fn fields_of(mut iterate: QpIterate, at: &Passes) -> Fields {
+    let contact = iterate.blocks.pop().unwrap_or_default();
+    let pressure = iterate.blocks.pop().unwrap_or_default();
+    Fields {
+        displacement: iterate.displacement,
+        pressure: if at.solution.pressure.is_empty() {
+            Vec::new()
+        } else {
+            pressure.multiplier
+        },
+        multiplier: contact.multiplier,
+    }
+}

@@ -1,0 +1,88 @@
+//! Bounds of the error of forces are above the true ones, by meshes fine enough to tell.
+
+use std::sync::Arc;
+
+use crate::common::meshes::{mesh, square};
+use crate::common::scenes::{HELD, elastic, mooney_rivlin, obstacle, push, rubber, support};
+use crate::common::{assert_converged, close, run};
+use signorini::report::GoalReport;
+use signorini::scene::{GoalErrors, GoalQuestions, Shape};
+use signorini::{CancelToken, Mesh, Scene, Step};
+
+const GOALS: [&str; 2] = ["force.ball.y", "reaction.base.x"];
+
+/// A block in plane strain, bonded below, under a ball off its middle.
+fn block(body: Scene, depth: f64, increments: u32) -> (Scene, Step) {
+    let mut scene = body;
+    scene.solver.verify = false;
+    scene.supports = vec![support("y0", HELD)];
+    scene.supports[0].name = "base".to_owned();
+    scene.supports[0].displacement[2] = None;
+    let shape = Shape::Sphere {
+        centre: [0.4, 2.0, 0.0],
+        radius: 1.0,
+    };
+    scene.obstacles = vec![obstacle("ball", "y1", shape)];
+    let mut step = push("ball", [0.0, -depth, 0.0]);
+    step.increments = increments;
+    (scene, step)
+}
+
+fn asked(problem: &(Scene, Step), mesh: &Arc<Mesh>) -> Vec<GoalReport> {
+    let (session, reports) = run(&problem.0, std::slice::from_ref(&problem.1), mesh);
+    reports.iter().for_each(assert_converged);
+    let questions = GoalQuestions {
+        goals: GOALS.map(|text| text.parse().expect("a goal")).to_vec(),
+        errors: GoalErrors::Bounded,
+        ..GoalQuestions::default()
+    };
+    let answer = session.answer(&questions, &CancelToken::new());
+    answer.expect("an answer")
+}
+
+fn assert_bounded(problem: &(Scene, Step)) {
+    let reference = asked(problem, &mesh(square(48)));
+    for count in [6, 12] {
+        for (own, exact) in asked(problem, &mesh(square(count))).iter().zip(&reference) {
+            let bound = own.bound.as_ref().expect("a bound");
+            let error = (exact.value - own.value).abs();
+            let ratios = [
+                bound.estimate / (exact.value - own.value),
+                bound.total() / error,
+            ];
+            assert!(bound.total() >= error, "{count} {}: {ratios:?}", own.goal);
+            let sum: f64 = bound.cells.iter().sum();
+            assert!(close(sum, bound.discretisation, 1e-12));
+            assert!(bound.estimate.abs() <= bound.discretisation);
+            assert!(
+                bound.discretisation <= 0.2 * reference[0].value.abs(),
+                "{bound:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_force_on_an_incompressible_block_is_within_its_bound() {
+    assert_bounded(&block(elastic(0.5), 0.03, 1));
+}
+
+#[test]
+fn the_force_on_a_compressible_block_is_within_its_bound() {
+    assert_bounded(&block(elastic(0.3), 0.03, 1));
+}
+
+#[test]
+fn the_force_on_rubber_is_within_its_bound() {
+    assert_bounded(&block(rubber(mooney_rivlin(), None), 0.15, 3));
+}
+
+#[test]
+fn the_bound_falls_with_the_mesh() {
+    let problem = block(rubber(mooney_rivlin(), Some(30.0)), 0.1, 2);
+    let [coarse, fine] = [5, 10].map(|count| {
+        let found = asked(&problem, &mesh(square(count)));
+        found[0].bound.as_ref().expect("a bound").discretisation
+    });
+    assert!(fine < 0.6 * coarse, "{coarse} {fine}");
+}

@@ -1,0 +1,8 @@
+//! Stories of goals: values, derivatives and error bounds of functionals of a converged increment.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bounds;
+mod gradients;
+mod refusals;
