@@ -27,7 +27,7 @@
 //! | the solver | `model` the body at a state, its residuals and tangent; `sqp` equilibrium under one drive: programs, search, what is learnt; `force_control` poses from forces; `stability`; `diagnosis` causes and where they lie; `continuation` the load path, and what follows a failure; [`session`] states that steps move |
 //! | the answer | `results` reports, fields, error estimates; `goals` functionals of a converged state, their dual solutions and derivatives; `verify` the same residuals by an independent path |
 //! | laws from tests | [`calibration`] constants of a law from test curves |
-//! | finer meshes | [`refinement`] bisection of marked cells, and fields and states on what follows |
+//! | finer meshes | [`refinement`] bisection of marked cells, and fields and states on what follows; [`adapted`] meshes that are refined until goals are known well enough |
 //! | beside it | [`comparisons`] methods that a caller brings along: those that the solver is compared with are the crate `signorini-compare` |
 //!
 //! The wings never import each other, and no two files import each other in a circle;
@@ -108,6 +108,7 @@
 //! | face of the feasible polyhedron | `Face` | `inequality::one_level` |
 //! | fluid penetration, wetted front, leak path | `FluidSurface`, `Front`, `Barrier` | `fluid` |
 //! | blow-off pressure | `LeakBracket` | `continuation::leak_bracket` |
+//! | Doerfler marking, adaptive refinement by the dual weighted residual | `marks`, `adapt` | `adapted` |
 //! | force control, prescribed forces on an obstacle or a support | `Balance` | `force_control` |
 //! | forcing term of an inexact Newton method | `goal` | `sqp::increment` |
 //! | inertia, modified Newton step of an unstable body | `Turned` | `inequality::factorised::turned` |
@@ -213,10 +214,12 @@
 #![doc = include_str!("decisions/0066-goals-by-one-dual-solution.md")]
 #![doc = include_str!("decisions/0067-gaps-by-volume.md")]
 #![doc = include_str!("decisions/0069-nested-bisection.md")]
+#![doc = include_str!("decisions/0071-meshes-by-goals.md")]
 
 #[macro_use]
 mod constants;
 
+pub mod adapted;
 pub mod assembly;
 pub mod calibration;
 pub mod comparisons;

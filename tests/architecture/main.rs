@@ -96,6 +96,7 @@ const HALL: &[(&str, &[&str])] = &[
     ("verify", &SOLVER),
     ("refinement", &REFINEMENT),
     ("session", &[]),
+    ("adapted", &REFINEMENT),
 ];
 
 /// The rooms that move a state.

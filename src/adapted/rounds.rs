@@ -1,0 +1,310 @@
+//! The loop: solve, judge, halve, carry over.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::accuracy::Accuracy;
+use super::error::AdaptionError;
+use super::judge::{self, Judge};
+use super::round::{End, GoalRound, Round};
+use crate::mesh::Mesh;
+use crate::plan::Plan;
+use crate::prepare::Prepared;
+use crate::refinement::{Hierarchy, Limits, Refined, RefinementError};
+use crate::report::{CancelToken, GoalReport, Silent, StepReport, Termination};
+use crate::scene::{Scene, Step, SurfaceGeometry};
+use crate::session::{Reuse, Session};
+
+/// What is solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its steps, at least one.
+    pub steps: &'a [Step],
+    /// The first mesh.
+    pub mesh: &'a Arc<Mesh>,
+}
+
+/// Who follows the loop.
+pub struct Watch<'a> {
+    /// Called with each mesh when its goals are known.
+    pub rounds: &'a mut dyn FnMut(&Round),
+    /// Polled by all parts.
+    pub cancel: &'a CancelToken,
+}
+
+/// The last mesh and what it gave.
+#[derive(Debug)]
+pub struct Adapted {
+    /// The state at the end of the last step.
+    pub session: Session,
+    /// The scene on refined meshes: surfaces that were asked to be smooth are those of the mesh.
+    pub scene: Scene,
+    /// The mesh, to be refined again.
+    pub hierarchy: Hierarchy,
+    /// All meshes, the last one last.
+    pub rounds: Vec<Round>,
+    /// Why there is no finer one.
+    pub end: End,
+}
+
+/// Solves `problem` on finer and finer meshes until the goals are known as well as `accuracy` asks,
+/// or a limit ends it. Cost: some two solutions on the last mesh.
+///
+/// # Errors
+/// [`AdaptionError`] where the first mesh has no answer, or the caller stops it. What fails on a
+/// refined mesh ends the loop with what the one before gave.
+pub fn adapt(
+    problem: Problem<'_>,
+    accuracy: &Accuracy,
+    watch: Watch<'_>,
+) -> Result<Adapted, AdaptionError> {
+    check(problem, accuracy)?;
+    let mut judge = Judge::new(accuracy);
+    let started = Instant::now();
+    let mut present = first(problem, watch.cancel)?;
+    let mut rounds: Vec<Round> = Vec::new();
+    loop {
+        let answers = present.answers(accuracy, watch.cancel)?;
+        let round = present.round(rounds.len(), judge.goals(&answers), &answers);
+        (watch.rounds)(&round);
+        let goals = round.goals.clone();
+        rounds.push(round);
+        let next = match judge::end(&goals, &answers) {
+            Some(end) => Err(end),
+            None => {
+                let marked = judge::marks(&goals, &answers);
+                let left = Left {
+                    accuracy,
+                    rounds: &rounds,
+                    started,
+                };
+                present.finer(&marked, &left, watch.cancel)?
+            }
+        };
+        match next {
+            Ok(finer) => present = finer,
+            Err(end) => {
+                return Ok(Adapted {
+                    session: present.session,
+                    scene: present.scene,
+                    hierarchy: present.hierarchy,
+                    rounds,
+                    end,
+                });
+            }
+        }
+    }
+}
+
+/// Refuses what no mesh can answer.
+fn check(problem: Problem<'_>, accuracy: &Accuracy) -> Result<(), AdaptionError> {
+    let is_usable = |tolerance: f64| tolerance.is_finite() && tolerance > 0.0;
+    if accuracy.targets.is_empty() {
+        Err(AdaptionError::Malformed("it names no goal"))
+    } else if !accuracy.targets.iter().all(|one| is_usable(one.tolerance)) {
+        Err(AdaptionError::Malformed("tolerances must be above zero"))
+    } else if problem.steps.is_empty() {
+        Err(AdaptionError::Malformed("there is no step"))
+    } else {
+        Ok(())
+    }
+}
+
+/// One mesh and the state on it.
+struct Present {
+    scene: Scene,
+    hierarchy: Hierarchy,
+    session: Session,
+    unknowns: u64,
+    started: Instant,
+}
+
+/// What is left of the limits.
+struct Left<'a> {
+    accuracy: &'a Accuracy,
+    rounds: &'a [Round],
+    started: Instant,
+}
+
+/// All steps on the first mesh.
+fn first(problem: Problem<'_>, cancel: &CancelToken) -> Result<Present, AdaptionError> {
+    let started = Instant::now();
+    let plan = Arc::new(Plan::new(problem.scene, problem.steps, problem.mesh)?);
+    let prepared = Arc::new(Prepared::build(&plan, problem.mesh, cancel)?);
+    let mesh = plan.body_mesh(problem.mesh);
+    let mut session = Session::new(plan.clone(), problem.mesh.clone(), prepared, Reuse::Built);
+    for step in problem.steps {
+        let last = take(&mut session, step, cancel)?;
+        if last.termination != Termination::Converged {
+            return Err(AdaptionError::NotConverged {
+                step: last.step,
+                termination: last.termination,
+            });
+        }
+    }
+    Ok(Present {
+        scene: as_meshed(problem.scene),
+        hierarchy: Hierarchy::new(mesh),
+        session,
+        unknowns: unknowns(&plan),
+        started,
+    })
+}
+
+/// The scene where fitted arcs belong to the mesh.
+fn as_meshed(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    for obstacle in &mut scene.obstacles {
+        obstacle.surface = SurfaceGeometry::AsMeshed;
+    }
+    scene
+}
+
+fn unknowns(plan: &Plan) -> u64 {
+    let all = plan.unknowns();
+    all.displacement + all.pressure + all.contact
+}
+
+/// Takes a step; its last report.
+fn take(
+    session: &mut Session,
+    step: &Step,
+    cancel: &CancelToken,
+) -> Result<StepReport, AdaptionError> {
+    let mut run = session.begin_step(step)?;
+    let mut last = StepReport::default();
+    while let Some(report) = session.advance(&mut run, &mut Silent, cancel) {
+        if report.termination == Termination::Cancelled {
+            return Err(AdaptionError::Stopped(report.termination));
+        }
+        last = report;
+    }
+    Ok(last)
+}
+
+impl Present {
+    fn answers(
+        &self,
+        accuracy: &Accuracy,
+        cancel: &CancelToken,
+    ) -> Result<Vec<GoalReport>, AdaptionError> {
+        Ok(self.session.answer(&accuracy.questions(), cancel)?)
+    }
+
+    fn round(&self, before: usize, goals: Vec<GoalRound>, answers: &[GoalReport]) -> Round {
+        Round {
+            round: before as u32 + 1,
+            cells: self.hierarchy.mesh().cell_count() as u64,
+            unknowns: self.unknowns,
+            goals,
+            seconds: self.started.elapsed().as_secs_f64(),
+            dual_seconds: answers.iter().map(|answer| answer.seconds).sum(),
+        }
+    }
+
+    /// The state on the mesh where `marked` cells are halved, or what is in the way of that.
+    fn finer(
+        &mut self,
+        marked: &[u32],
+        left: &Left<'_>,
+        cancel: &CancelToken,
+    ) -> Result<Result<Self, End>, AdaptionError> {
+        let started = Instant::now();
+        if let Some(end) = left.over() {
+            return Ok(Err(end));
+        }
+        let refined = match self.hierarchy.halve(marked, left.of_mesh()) {
+            Ok(refined) => refined,
+            Err(error) => return left.refused(error),
+        };
+        let plan = Plan::new(&self.scene, &[Step::default()], refined.hierarchy.mesh())?;
+        if let Some(end) = left.too_large(&plan) {
+            return Ok(Err(end));
+        }
+        let mut finer = self.carried(Arc::new(plan), refined, (started, cancel))?;
+        // What drives the body stays as it is.
+        let ending = take(&mut finer.session, &Step::default(), cancel)?.termination;
+        Ok(match ending {
+            Termination::Converged => Ok(finer),
+            other => Err(End::NotConverged(other)),
+        })
+    }
+
+    /// The state on a refined mesh, not yet in equilibrium there.
+    fn carried(
+        &mut self,
+        plan: Arc<Plan>,
+        refined: Refined,
+        (started, cancel): (Instant, &CancelToken),
+    ) -> Result<Self, AdaptionError> {
+        let mesh = refined.hierarchy.mesh().clone();
+        let prepared = Arc::new(Prepared::build(&plan, &mesh, cancel)?);
+        let over = (mesh, &refined.lineage);
+        let unknowns = unknowns(&plan);
+        let session = self.session.refined(plan, over, (prepared, Reuse::Built))?;
+        Ok(Self {
+            scene: self.scene.clone(),
+            hierarchy: refined.hierarchy,
+            session,
+            unknowns,
+            started,
+        })
+    }
+}
+
+impl Left<'_> {
+    /// Whether rounds or time are used up.
+    fn over(&self) -> Option<End> {
+        let limits = &self.accuracy.limits;
+        if self.rounds.len() as u64 >= u64::from(limits.rounds) {
+            return Some(End::Rounds(limits.rounds));
+        }
+        let most = limits.seconds?;
+        // The next mesh is larger than the last one.
+        let last = self.rounds.last().map_or(0.0, |round| round.seconds);
+        (self.started.elapsed().as_secs_f64() + last > most).then_some(End::Time { most })
+    }
+
+    /// Limits of the mesh: a cell has less unknowns than there are in all.
+    fn of_mesh(&self) -> Limits {
+        let most = self.accuracy.limits.unknowns;
+        let most = most.map(|most| usize::try_from(most).unwrap_or(usize::MAX));
+        Limits {
+            cells: most.map_or(Limits::default().cells, |most| most.saturating_mul(4)),
+            bytes: self.accuracy.limits.bytes.unwrap_or(u64::MAX),
+        }
+    }
+
+    /// A mesh that was not made.
+    fn refused<T>(&self, error: RefinementError) -> Result<Result<T, End>, AdaptionError> {
+        let limits = &self.accuracy.limits;
+        match error {
+            RefinementError::TooManyCells { limit } => Ok(Err(End::Unknowns {
+                needed: None,
+                most: limits.unknowns.unwrap_or(limit as u64),
+            })),
+            RefinementError::TooMuchMemory { limit } => Ok(Err(End::Memory {
+                needed: limit,
+                most: limit,
+            })),
+            other => Err(other.into()),
+        }
+    }
+
+    /// Whether a plan passes a limit.
+    fn too_large(&self, plan: &Plan) -> Option<End> {
+        let limits = &self.accuracy.limits;
+        let (needed, bytes) = (unknowns(plan), plan.first_bytes());
+        if let Some(most) = limits.unknowns.filter(|most| needed > *most) {
+            let needed = Some(needed);
+            return Some(End::Unknowns { needed, most });
+        }
+        let most = limits.bytes.filter(|most| bytes > *most)?;
+        Some(End::Memory {
+            needed: bytes,
+            most,
+        })
+    }
+}
