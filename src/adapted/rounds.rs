@@ -219,16 +219,18 @@ impl Present {
             Ok(refined) => refined,
             Err(error) => return left.refused(error),
         };
-        let plan = Plan::new(&self.scene, &[Step::default()], refined.hierarchy.mesh())?;
+        let scene = left.timed(&self.scene);
+        let plan = Plan::new(&scene, &[Step::default()], refined.hierarchy.mesh())?;
         if let Some(end) = left.too_large(&plan) {
             return Ok(Err(end));
         }
         let mut finer = self.carried(Arc::new(plan), refined, (started, cancel))?;
         // What drives the body stays as it is.
         let ending = take(&mut finer.session, &Step::default(), cancel)?.termination;
-        Ok(match ending {
-            Termination::Converged => Ok(finer),
-            other => Err(End::NotConverged(other)),
+        Ok(if ending == Termination::Converged {
+            Ok(finer)
+        } else {
+            Err(left.ended(ending))
         })
     }
 
@@ -255,16 +257,40 @@ impl Present {
 }
 
 impl Left<'_> {
+    /// Seconds left; none where any number will do.
+    fn seconds(&self) -> Option<f64> {
+        let most = self.accuracy.limits.seconds?;
+        Some((most - self.started.elapsed().as_secs_f64()).max(0.0))
+    }
+
+    /// The scene with a limit for what is solved next.
+    fn timed(&self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        let limit = &mut scene.solver.max_wall_time;
+        *limit = match (*limit, self.seconds()) {
+            (Some(own), Some(left)) => Some(own.min(left)),
+            (own, left) => own.or(left),
+        };
+        scene
+    }
+
+    /// Why there is no equilibrium on the next mesh.
+    fn ended(&self, termination: Termination) -> End {
+        let is_late = termination == Termination::DeadlineExceeded;
+        let most = self.accuracy.limits.seconds.filter(|_| is_late);
+        most.map_or(End::NotConverged(termination), |most| End::Time { most })
+    }
+
     /// Whether rounds or time are used up.
     fn over(&self) -> Option<End> {
         let limits = &self.accuracy.limits;
         if self.rounds.len() as u64 >= u64::from(limits.rounds) {
             return Some(End::Rounds(limits.rounds));
         }
-        let most = limits.seconds?;
+        let (most, left) = (limits.seconds?, self.seconds()?);
         // The next mesh is larger than the last one.
         let last = self.rounds.last().map_or(0.0, |round| round.seconds);
-        (self.started.elapsed().as_secs_f64() + last > most).then_some(End::Time { most })
+        (last > left).then_some(End::Time { most })
     }
 
     /// Limits of the mesh: a cell has less unknowns than there are in all.
@@ -289,7 +315,7 @@ impl Left<'_> {
                 needed: limit,
                 most: limit,
             })),
-            other => Err(other.into()),
+            RefinementError::NoSuchCell { .. } | RefinementError::NoMesh(_) => Err(error.into()),
         }
     }
 
