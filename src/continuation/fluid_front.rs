@@ -10,6 +10,7 @@ use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Leak, Site};
 use crate::model::fluids::Met;
+use crate::model::open_gap;
 use crate::model::state::State;
 use crate::report::{Cause, Termination};
 use crate::scene::Film;
@@ -94,6 +95,7 @@ fn leak_at(fluid: usize, node: Option<u32>) -> Leak {
         fluid,
         node,
         pressures: [0.0; 2],
+        conductance: None,
     }
 }
 
@@ -126,6 +128,11 @@ fn leaking(run: &mut Run<'_>, leak: Leak) -> Ending {
     let at = (&now, run.state.force_scale);
     let verdict = Verdict::failed(Cause::Leaks);
     let site = site(run, leak);
+    let conductance = open_gap::conductance(&run.model, run.state, leak.fluid);
+    let leak = Leak {
+        conductance,
+        ..leak
+    };
     Ending {
         leak: Some(leak),
         site,

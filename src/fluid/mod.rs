@@ -25,12 +25,14 @@
 //! | [`surface`] | nodes, who is beside whom, what is wet at first and what shall stay dry |
 //! | [`front`] | how the fluid advances |
 //! | [`leak_path`] | the path from wet to dry on which it leaks first |
+//! | [`flow`] | how much flows through what is open |
 //!
 //! Neighbours are joined by the edges of the parts into which the midpoints divide a facet.
 //! Reference for the lower bound on the traction: contact with pressure penetration as commercial
 //! programs have it; for the affine sealing pressure V. A. Yastrebov, A. Shvarts, arXiv 1712.06312.
 //! Cost: sorts of the surface's nodes.
 
+pub mod flow;
 pub mod front;
 pub mod leak_path;
 pub mod surface;

@@ -26,6 +26,7 @@ pub(crate) mod internal;
 pub(crate) mod joined;
 pub(crate) mod loads;
 pub(crate) mod mean_pressure;
+pub(crate) mod open_gap;
 pub(crate) mod prescribed;
 pub(crate) mod pressures;
 pub(crate) mod proximal;

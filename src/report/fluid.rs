@@ -43,6 +43,12 @@ pub struct FluidResult {
     pub leak_paths: BTreeMap<String, LeakPathResult>,
     /// Solutions of the increment between which fluids have advanced.
     pub rounds: u32,
+    /// Volume that flows in a unit of time for a unit of its pressure, per thickness in the plane,
+    /// through what is open: at the state, or where it leaks in the state in which that was
+    /// seen; zero where all ways are closed, none without a viscosity.
+    pub conductance: Option<f64>,
+    /// The same under its pressure, where it leaks the least at which that was seen.
+    pub flow_rate: Option<f64>,
 }
 
 /// A path along the surface from what is wet to what must stay dry.

@@ -16,6 +16,7 @@ use crate::geometry::vector3::{norm, scale, sub};
 use crate::model::Model;
 use crate::model::ending::Ending;
 use crate::model::fluids::{coefficients_of, fluid_load};
+use crate::model::open_gap;
 use crate::model::state::State;
 use crate::report::{FluidResult, LeakPathResult, Tightness};
 
@@ -36,6 +37,11 @@ pub(crate) fn results(
         let leak = ending.leak.filter(|leak| leak.fluid == index);
         let units = &model.plan.problem.units;
         let (force, area) = fluid_load(model, state, index);
+        let conductance = match leak {
+            Some(leak) => leak.conductance,
+            None => open_gap::conductance(model, state, index),
+        };
+        let driving = leak.map_or(one.pressure, |leak| leak.pressures[1]);
         let result = FluidResult {
             pressure: one.pressure,
             tightness: leak.map_or(Tightness::Tight, |_| Tightness::Leaks),
@@ -45,6 +51,8 @@ pub(crate) fn results(
             leak_path: one.path(None),
             leak_paths: one.paths(),
             rounds,
+            conductance,
+            flow_rate: conductance.map(|flow| flow * driving),
         };
         (fluid.name.clone(), result)
     });
@@ -109,21 +117,10 @@ impl<'a> One<'a> {
         });
         let contacts = own.collect();
         let length = model.plan.problem.units.length;
-        let nodal = model.prepared.space.node_values(&state.displacement);
-        let components = model.prepared.space.components;
-        let places = surface.nodes.iter().map(|&node| {
-            let rest = model.prepared.space.node_place(model.mesh, node);
-            let mut place = model.plan.problem.units.of_mesh(rest);
-            let moved = &nodal[node as usize * components..][..components];
-            place
-                .iter_mut()
-                .zip(moved)
-                .for_each(|(x, u)| *x += u * length);
-            place
-        });
+        let places = open_gap::places(model, state, index).into_iter();
         Self {
             total: surface.values(&total),
-            places: places.collect(),
+            places: places.map(|place| scale(length, place)).collect(),
             surface,
             wet,
             pressure,

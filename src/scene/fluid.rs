@@ -20,6 +20,9 @@ pub struct Fluid {
     pub film: Film,
     /// Relative width to which the pressure at which it leaks is bracketed, in (0, 1/2].
     pub blow_off_tolerance: f64,
+    /// Dynamic viscosity, stress times time: what flows through open gaps is told; none where it is not
+    /// asked for.
+    pub viscosity: Option<f64>,
 }
 
 impl Fluid {
@@ -38,6 +41,7 @@ impl Default for Fluid {
             threshold: FluidThreshold::default(),
             film: Film::default(),
             blow_off_tolerance: Self::BLOW_OFF_TOLERANCE,
+            viscosity: None,
         }
     }
 }

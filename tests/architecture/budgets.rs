@@ -17,7 +17,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("continuation", 1580, 29),
     ("diagnosis", 554, 10),
     ("element", 735, 2),
-    ("fluid", 430, 1),
+    ("fluid", 649, 0),
     ("force_control", 1270, 33),
     ("geometry", 497, 1),
     ("goals", 1900, 5),

@@ -40,7 +40,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("element", &["geometry"]),
     ("mesh", &["element", "geometry"]),
     ("space", &["mesh", "element", "linalg", "geometry"]),
-    ("fluid", &["space", "mesh", "geometry"]),
+    ("fluid", &["space", "linalg", "mesh", "geometry"]),
     ("material", &["geometry"]),
     ("obstacle", &["parallel", "geometry"]),
     (

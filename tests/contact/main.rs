@@ -8,6 +8,7 @@ mod contact_alone;
 mod contact_space;
 mod critical_pressure;
 mod families;
+mod fluid_flow;
 mod fluids;
 mod fluids_by_symmetry;
 mod grids;

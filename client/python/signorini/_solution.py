@@ -271,7 +271,7 @@ OF_CONTACT = (
 )
 """Numbers of an obstacle in the table."""
 
-OF_FLUID = ("pressure", "tightness", "blow_off_low", "blow_off_high", "wet_area")
+OF_FLUID = ("pressure", "tightness", "blow_off_low", "blow_off_high", "wet_area", "conductance", "flow_rate")
 OF_LEAK = ("margin", "margin_over_pressure", "sealed_width")
 """What the table says of a fluid, and of its leak path."""
 

@@ -398,6 +398,7 @@ class Fluid(Part):
     threshold: float | str | None = None
     film: str | None = None
     blow_off_tolerance: float | None = None
+    viscosity: float | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """The table; its key `from` is no name in Python."""

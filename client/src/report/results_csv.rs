@@ -17,7 +17,7 @@ use crate::terminal::whole_file;
 pub(crate) const FILE: &str = "results.csv";
 
 /// What is told of a fluid before its force.
-const OF_FLUID: [&str; 8] = [
+const OF_FLUID: [&str; 10] = [
     "pressure",
     "tightness",
     "blow_off_low",
@@ -26,6 +26,8 @@ const OF_FLUID: [&str; 8] = [
     "margin_over_pressure",
     "sealed_width",
     "wet_area",
+    "conductance",
+    "flow_rate",
 ];
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -210,6 +212,8 @@ fn wet(fluid: Option<&v1::FluidResult>) -> Vec<String> {
         path.map(|path| path.margin_over_pressure),
         path.map(|path| path.sealed_width),
         fluid.map(|result| result.wet_area),
+        fluid.and_then(|result| result.conductance),
+        fluid.and_then(|result| result.flow_rate),
     ];
     let tightness = fluid.map(|result| words::tightness(result.tightness()));
     let mut row = vec![

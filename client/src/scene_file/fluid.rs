@@ -15,6 +15,7 @@ const FLUID: &[&str] = &[
     "threshold",
     "film",
     "blow_off_tolerance",
+    "viscosity",
 ];
 
 const FILMS: &[(&str, v1::Film)] = &[
@@ -39,6 +40,7 @@ pub(super) fn fluids(scene: &Keys<'_>) -> Vec<v1::Fluid> {
         threshold: threshold(keys),
         film: keys.choice("film", FILMS).map_or(0, i32::from),
         blow_off_tolerance: keys.number("blow_off_tolerance"),
+        viscosity: keys.number("viscosity"),
     };
     tables.iter().enumerate().map(fluid).collect()
 }

@@ -137,6 +137,8 @@ fn leaking() -> v1::FluidResult {
         leak_path: Some(path.clone()),
         leak_paths: BTreeMap::from([("ball".to_owned(), path)]),
         rounds: 2,
+        conductance: Some(0.5),
+        flow_rate: Some(1.515),
     }
 }
 
@@ -161,7 +163,9 @@ fn fluids_are_told_with_their_paths_and_scenes_without_have_no_word_of_them() {
     );
     let points = json!([[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
     assert_eq!(water["leak_paths"]["ball"]["points"], points);
+    assert_eq!(water["flow_rate"], json!(1.515));
     assert_eq!(line["fluids"]["oil"]["leak_path"], Value::Null);
+    assert_eq!(line["fluids"]["oil"]["conductance"], Value::Null);
 }
 
 #[test]

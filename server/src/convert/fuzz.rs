@@ -134,6 +134,7 @@ fn wet_scene(mesh: &Mesh) -> wire::Scene {
         threshold: Some(0.25),
         film: wire::Film::SqueezedOut.into(),
         blow_off_tolerance: Some(0.02),
+        viscosity: Some(1e-3),
     };
     let oil = wire::Fluid {
         name: "oil".into(),

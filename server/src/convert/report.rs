@@ -315,6 +315,8 @@ fn fluid(value: FluidResult) -> wire::FluidResult {
         leak_path: value.leak_path.map(leak_path),
         leak_paths: by_name(value.leak_paths, leak_path),
         rounds: narrow(value.rounds),
+        conductance: value.conductance,
+        flow_rate: value.flow_rate,
     }
 }
 

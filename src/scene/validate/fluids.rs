@@ -82,6 +82,7 @@ fn one(fluid: &Fluid, mesh: &Mesh, faults: &mut Faults) -> ResolvedFluid {
         },
         film: fluid.film,
         blow_off_tolerance: fluid.blow_off_tolerance,
+        viscosity: fluid.viscosity,
     }
 }
 
@@ -89,6 +90,9 @@ fn values(fluid: &Fluid, path: &str, faults: &mut Faults) {
     faults.not_negative(&format!("{path}.pressure"), fluid.pressure);
     if let FluidThreshold::Pressure(pressure) = fluid.threshold {
         faults.not_negative(&format!("{path}.threshold"), pressure);
+    }
+    if let Some(viscosity) = fluid.viscosity {
+        faults.above_zero(&format!("{path}.viscosity"), viscosity);
     }
     let tolerance = fluid.blow_off_tolerance;
     if !(tolerance > 0.0 && tolerance <= WIDEST) {

@@ -150,6 +150,8 @@ pub(crate) struct ResolvedFluid {
     pub(crate) film: Film,
     /// Relative width of the bracket of the pressure at which it leaks.
     pub(crate) blow_off_tolerance: f64,
+    /// Dynamic viscosity, the caller's stress times time.
+    pub(crate) viscosity: Option<f64>,
 }
 
 /// A rigid body that facets may touch.

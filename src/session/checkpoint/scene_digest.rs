@@ -103,6 +103,7 @@ impl Canonical {
             threshold,
             film,
             blow_off_tolerance,
+            viscosity,
         } = fluid;
         self.text(name);
         for groups in [on, from, dry] {
@@ -114,6 +115,10 @@ impl Canonical {
         });
         self.text(film.name());
         self.numbers(&[*pressure, *blow_off_tolerance]);
+        // A fluid without a viscosity has the digest that it had before there was one.
+        if viscosity.is_some() {
+            self.optional(*viscosity);
+        }
     }
 
     fn material(&mut self, material: &Material) {

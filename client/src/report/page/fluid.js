@@ -14,7 +14,8 @@ function verdicts(last) {
 function fluidCard(name, one) {
   return [`fluid ${name}`, one.leaks ? "leaks" : "tight", `pressure ${behind(num(one.pressure), unit("stress"))}`,
     one.margin == null ? null : `margin ${behind(num(one.margin), unit("stress"))} over a width of ${behind(num(one.width), unit("length"))}`,
-    `wet area ${num(one.area)}, force ${vector(one.force)}`];
+    `wet area ${num(one.area)}, force ${vector(one.force)}`,
+    one.flow == null ? null : `flow rate ${num(one.flow)}`];
 }
 
 // Where the two curves meet, the fluid leaks.

@@ -21,6 +21,7 @@ pub(super) struct Wet {
     width: Option<f64>,
     area: Option<f64>,
     force: Vec<f64>,
+    flow: Option<f64>,
 }
 
 /// A leak path of the increment that the picture shows.
@@ -53,6 +54,7 @@ fn one(fluid: &Fluid) -> Wet {
         width: path.and_then(|path| path.sealed_width),
         area: fluid.wet_area,
         force: fluid.force.clone(),
+        flow: fluid.flow_rate,
     }
 }
 

@@ -129,6 +129,7 @@ pub(super) struct Fluid {
     pub(super) blow_off_low: Option<f64>,
     pub(super) blow_off_high: Option<f64>,
     pub(super) wet_area: Option<f64>,
+    pub(super) flow_rate: Option<f64>,
     #[serde(deserialize_with = "numbers")]
     pub(super) force: Vec<f64>,
     pub(super) leak_path: Option<LeakPath>,

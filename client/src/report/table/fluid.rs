@@ -18,6 +18,13 @@ pub(super) fn fluids(lines: &mut Lines, report: &v1::StepReport) {
             more => format!(", its front found in {more} rounds"),
         };
         lines.add("", &format!("wet area {area}, force {force}{rounds}"));
+        if let Some((rate, conductance)) = fluid.flow_rate.zip(fluid.conductance) {
+            let told = [rate, conductance].map(number);
+            lines.add(
+                "",
+                &format!("flow rate {}, {} for a unit of pressure", told[0], told[1]),
+            );
+        }
     }
 }
 

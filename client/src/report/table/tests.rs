@@ -126,9 +126,12 @@ fn a_fluid_is_told_to_be_tight_or_between_which_pressures_it_leaks() {
     let water = report.fluids.get_mut("water").unwrap();
     water.tightness = v1::Tightness::Leaks.into();
     (water.blow_off_low, water.blow_off_high) = (Some(2.0), Some(2.02));
+    (water.conductance, water.flow_rate) = (Some(0.5), Some(1.01));
     let text = told(&[report.clone()], Detail::Short);
     let said = "fluid water        leaks between pressures 2 and 2.02";
     assert!(text.contains(said), "{text}");
+    let flow = "flow rate 1.01, 0.5 for a unit of pressure";
+    assert!(text.contains(flow), "{text}");
     let row = Rows::default().row(&report, &Travels::default());
     assert!(
         row.contains("water leaks between pressures 2 and 2.02"),

@@ -31,6 +31,7 @@ pub(super) fn fluid(message: wire::Fluid, index: usize, faults: &mut Faults) -> 
         blow_off_tolerance: message
             .blow_off_tolerance
             .unwrap_or(Fluid::BLOW_OFF_TOLERANCE),
+        viscosity: message.viscosity,
     }
 }
 
@@ -60,6 +61,7 @@ mod tests {
             threshold: Some(0.5),
             film: wire::Film::SqueezedOut.into(),
             blow_off_tolerance: Some(0.02),
+            viscosity: Some(1e-3),
         }
     }
 
@@ -80,6 +82,7 @@ mod tests {
             threshold: FluidThreshold::Pressure(0.5),
             film: Film::SqueezedOut,
             blow_off_tolerance: 0.02,
+            viscosity: Some(1e-3),
         };
         assert_eq!(converted(water()), Ok(expected));
         let bare = wire::Fluid {
