@@ -30,6 +30,11 @@ impl LeakBracket {
         Self { end, leak, cause }
     }
 
+    /// The fluid, by its place in the scene.
+    pub(super) fn fluid(&self) -> usize {
+        self.leak.fluid
+    }
+
     /// Why there is no tight equilibrium at its end.
     pub(super) fn cause(&self) -> Option<Cause> {
         self.cause

@@ -183,13 +183,14 @@ impl LoadPath<'_> {
         }
     }
 
-    /// The end of a path on which a fluid leaks, where that is bracketed; else the next part halves
-    /// the bracket.
+    /// The end of a path on which a fluid leaks, where that is bracketed, or where its way is open before
+    /// it has a pressure; else the next part halves the bracket.
     fn leaked(&mut self, run: &mut Run<'_>, last: &Ending) -> Option<Ending> {
         let bracket = self.leak?;
         let reached = self.parts.reached;
         let path = [&self.start, self.goal];
-        if !bracket.is_narrow(run.model.plan, path, reached) {
+        let is_open = seal_trend::is_open(&run.model, run.state, bracket.fluid());
+        if !is_open && !bracket.is_narrow(run.model.plan, path, reached) {
             self.parts.part = self.parts.part.min(bracket.half(reached));
             return None;
         }

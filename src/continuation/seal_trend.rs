@@ -94,6 +94,14 @@ impl SealTrend {
     }
 }
 
+/// Whether nothing presses on a path of fluid `index` to what must stay dry: it leaks under any pressure.
+pub(super) fn is_open(model: &Model<'_>, state: &State, index: usize) -> bool {
+    let met = Met::at(model, state, index);
+    let front = met.front(model.plan, index, &state.drive);
+    let margin = front.margin(&state.wet[index]);
+    margin.is_some_and(|(margin, _)| margin <= 0.0)
+}
+
 /// What the margin of a seal is above the threshold of fluid `index`, the caller's stress; none where no
 /// path leads to what must stay dry.
 fn excess(model: &Model<'_>, state: &State, index: usize) -> Option<f64> {

@@ -48,7 +48,7 @@ fn a_wedge_under_a_body_lets_through_its_closed_form() {
     let reports = solve(&scene, &[Step::default()], &mesh(unit_grid(6, 4)));
     let [conductance, rate] = flow(&reports);
     let exact = wedge(gaps());
-    assert!(close(conductance, exact, 1e-9 * exact), "{conductance}");
+    assert!(close(conductance, exact, 1e-9), "{conductance}");
     assert!(rate == 0.0, "{rate}");
 }
 
@@ -70,15 +70,11 @@ fn a_fluid_that_finds_an_open_way_leaks_at_once_and_tells_how_much_flows() {
     assert_eq!(water.tightness, Tightness::Leaks);
     let [conductance, rate] = flow(&reports);
     let exact = wedge(gaps());
-    assert!(
-        close(conductance, exact, 1e-5 * exact),
-        "{conductance} {exact}"
-    );
-    let [_, high] = water.blow_off.expect("a bracket");
-    assert!(
-        close(rate, conductance * high, 1e-12 * rate),
-        "{rate} {high}"
-    );
+    assert!(close(conductance, exact, 1e-5), "{conductance} {exact}");
+    let [low, high] = water.blow_off.expect("a bracket");
+    assert!(low == 0.0 && close(high, 3.0, 1e-12), "{low} {high}");
+    assert!(water.rounds <= 2, "{}", water.rounds);
+    assert!(close(rate, conductance * high, 1e-12), "{rate} {high}");
 }
 
 #[test]
@@ -88,7 +84,7 @@ fn a_closed_seal_lets_nothing_through_and_without_a_viscosity_nothing_is_told() 
     scene.supports = vec![support("y1", [Some(0.0), Some(-0.05), None])];
     let grid = mesh(unit_grid(6, 4));
     let reports = solve(&scene, &[Step::default()], &grid);
-    assert_eq!(flow(&reports), [0.0; 2]);
+    assert!(flow(&reports).iter().all(|one| *one == 0.0));
     scene.fluids[0].viscosity = None;
     let reports = solve(&scene, &[Step::default()], &grid);
     let water = &last(&reports).fluids["water"];
