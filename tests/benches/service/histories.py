@@ -41,6 +41,7 @@ class Checker:
         event, content = finished.event, finished.SerializeToString(deterministic=True) + data
         if event <= after:
             self.twice.append(event)
+            print(f"event {event} of update {finished.sequence} after event {after}", flush=True)
         elif event > after + 1:
             self.missing.append(event)
         if self.read.setdefault(event, content) != content:
@@ -146,6 +147,7 @@ class History:
         """Reads up to the end of a cancelled update, and notes how long after readiness it came."""
         if sequence <= self.finished:
             self.checker.twice.append(-sequence)
+            print(f"update {sequence} was cancelled, whose end was read: {self.finished} updates were", flush=True)
             return
         while self.finished < sequence:
             self.next()
