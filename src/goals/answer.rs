@@ -22,20 +22,21 @@ const EQUILIBRIUM: f64 = 1e-3;
 /// Pressure over the largest one, and gap over the deepest motion, of a contact at its border.
 const BORDER: f64 = 1e-6;
 
-/// Answers `questions` at the state of `run`.
+/// Answers `questions` at the state of `run`, each goal once with all that is asked of it.
 ///
 /// # Errors
 /// [`GoalError`].
 pub(crate) fn answer(
     run: &mut Run<'_>,
-    questions: &GoalQuestions,
+    questions: &[GoalQuestions],
 ) -> Result<Vec<GoalReport>, GoalError> {
     refuse_history(&run.model)?;
+    let asked = Asked::of(questions);
     let now = run.evaluate();
     refuse_unbalanced(run, &now)?;
     let mut program = QuadraticProgram::new(run, &now, None, &mut 0.0);
-    let duals = all(run, &mut program, questions.goals.iter())?;
-    let derivatives = if questions.parameters.is_empty() {
+    let duals = all(run, &mut program, asked.goals.iter())?;
+    let derivatives = if asked.parameters.is_empty() {
         vec![Vec::new(); duals.len()]
     } else {
         let pushes = pushing_goals(&run.model, run.state)?;
@@ -47,22 +48,68 @@ pub(crate) fn answer(
             pushed: &pushed,
             controls: &controls,
         };
-        gradients(run, &answered, &questions.parameters)?
+        gradients(run, &answered, &asked.parameters)?
     };
     let at = At {
         borderline: borderline(run.state, &now),
-        errors: questions.errors,
         now,
     };
-    let named = |derivatives: Vec<f64>| {
-        let names = questions.parameters.iter().map(Parameter::to_string);
-        names.zip(derivatives).collect()
-    };
     let report = |(dual, derivatives): (&Dual, Vec<f64>)| GoalReport {
-        derivatives: named(derivatives),
-        ..at.report((&run.model, &*run.state), dual)
+        derivatives: asked.named(&dual.name, derivatives),
+        ..at.report((&run.model, &*run.state), dual, asked.errors(&dual.name))
     };
     Ok(duals.iter().zip(derivatives).map(report).collect())
+}
+
+/// What questions ask for together.
+struct Asked<'q> {
+    questions: &'q [GoalQuestions],
+    /// Each once, in the order of the questions.
+    goals: Vec<Goal>,
+    /// Each once.
+    parameters: Vec<Parameter>,
+}
+
+impl<'q> Asked<'q> {
+    fn of(questions: &'q [GoalQuestions]) -> Self {
+        Self {
+            questions,
+            goals: once(questions.iter().flat_map(|one| &one.goals)),
+            parameters: once(questions.iter().flat_map(|one| &one.parameters)),
+        }
+    }
+
+    /// The questions about a goal.
+    fn about<'a>(&'a self, goal: &'a Goal) -> impl Iterator<Item = &'q GoalQuestions> + 'a {
+        self.questions
+            .iter()
+            .filter(move |one| one.goals.contains(goal))
+    }
+
+    fn errors(&self, goal: &Goal) -> GoalErrors {
+        let mut asked = self.about(goal).map(|one| one.errors);
+        asked
+            .find(|errors| *errors == GoalErrors::Bounded)
+            .unwrap_or_default()
+    }
+
+    /// Those `derivatives` by all parameters that are asked of the goal.
+    fn named(&self, goal: &Goal, derivatives: Vec<f64>) -> Vec<(String, f64)> {
+        let all = self.parameters.iter().zip(derivatives);
+        let of_goal = all.filter(|(parameter, _)| {
+            self.about(goal)
+                .any(|one| one.parameters.contains(parameter))
+        });
+        of_goal
+            .map(|(one, value)| (one.to_string(), value))
+            .collect()
+    }
+}
+
+/// Each of `all` where it comes first.
+fn once<'a, T: Clone + Eq + std::hash::Hash + 'a>(all: impl Iterator<Item = &'a T>) -> Vec<T> {
+    let mut seen = std::collections::HashSet::new();
+    all.filter(|one| seen.insert(*one)).cloned().collect()
 }
 
 /// Dual solutions of `goals`.
@@ -78,14 +125,18 @@ fn all<'g>(
 struct At {
     now: Evaluation,
     borderline: u32,
-    errors: GoalErrors,
 }
 
 impl At {
     /// What is known of a goal beside its name and its derivatives.
-    fn report(&self, (model, state): (&Model<'_>, &State), dual: &Dual) -> GoalReport {
+    fn report(
+        &self,
+        (model, state): (&Model<'_>, &State),
+        dual: &Dual,
+        errors: GoalErrors,
+    ) -> GoalReport {
         let solver = work(&dual.fields, &self.now) * dual.goal.unit();
-        let bound = match self.errors {
+        let bound = match errors {
             GoalErrors::Left => None,
             GoalErrors::Bounded => Some(GoalBound {
                 solver: solver.abs(),

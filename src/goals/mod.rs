@@ -27,7 +27,7 @@ mod bound;
 mod dual;
 mod error;
 mod gradient;
-mod numbers;
+pub(crate) mod numbers;
 mod own_contact;
 mod perturbed;
 mod resolved;

@@ -11,7 +11,7 @@ const POLYNOMIAL: [&str; 9] = [
 ];
 
 /// A constant of a law; none that it does not have.
-pub(super) fn constant<'a>(model: &'a mut MaterialModel, key: &str) -> Option<&'a mut f64> {
+pub(crate) fn constant<'a>(model: &'a mut MaterialModel, key: &str) -> Option<&'a mut f64> {
     match model {
         MaterialModel::LinearElastic {
             modulus,
@@ -80,7 +80,7 @@ fn of_rubber<'a>(model: &'a mut RubberModel, key: &str) -> Option<&'a mut f64> {
 }
 
 /// A number of a shape; none that it does not have.
-pub(super) fn number<'a>(shape: &'a mut Shape, key: &str) -> Option<&'a mut f64> {
+pub(crate) fn number<'a>(shape: &'a mut Shape, key: &str) -> Option<&'a mut f64> {
     if let Shape::Cavity(inner) = shape {
         return number(Arc::make_mut(inner), key);
     }

@@ -174,6 +174,14 @@ fn dense_numbers(plan: &Plan) -> u64 {
     (2 * square(made_by)).max(square(traces) + 3 * square(rows))
 }
 
+/// Digits to which a dual solution is found.
+const DUAL_DIGITS: f64 = 10.0;
+
+/// Applications of the displacement preconditioner that one dual solution takes.
+pub(super) fn dual_applications(plan: &Plan) -> u32 {
+    (DUAL_DIGITS * per_digit(plan) * relative_applications(plan)).ceil() as u32
+}
+
 /// Applications of the displacement preconditioner to reach the tolerance.
 pub(super) fn applications(plan: &Plan) -> u32 {
     let solver = &plan.problem.settings;
@@ -182,17 +190,25 @@ pub(super) fn applications(plan: &Plan) -> u32 {
         ToleranceRule::Discretisation => solver.tolerance.max(DISCRETISATION_TOLERANCE),
     };
     let digits = -tolerance.log10();
-    let per_digit = if plan.problem.resolved.mixed {
-        3.2
-    } else {
-        1.7
-    };
     let contact = if plan.problem.unknowns.contact > 0 {
         1.5
     } else {
         1.0
     };
-    let methods = plan.decisions.displacement.relative_applications()
-        * plan.decisions.saddle.method.relative_applications();
-    (digits * per_digit * contact * methods).ceil() as u32
+    (digits * per_digit(plan) * contact * relative_applications(plan)).ceil() as u32
+}
+
+/// Applications for a digit of a linear system by the usual methods.
+fn per_digit(plan: &Plan) -> f64 {
+    if plan.problem.resolved.mixed {
+        3.2
+    } else {
+        1.7
+    }
+}
+
+/// Those of the plan's methods over that.
+fn relative_applications(plan: &Plan) -> f64 {
+    plan.decisions.displacement.relative_applications()
+        * plan.decisions.saddle.method.relative_applications()
 }

@@ -4,10 +4,12 @@
 //! needed, memory as predicted bytes. The order is fixed, so that two plans can be compared
 //! line by line.
 
+use std::collections::HashSet;
+
 use super::{Plan, estimate};
 use crate::linalg::cholesky::Precision;
 use crate::report::Unknowns;
-use crate::scene::{MetricKind, P1Solver, SceneKind, SurfaceGeometry};
+use crate::scene::{Goal, MetricKind, P1Solver, Parameter, SceneKind, SurfaceGeometry};
 
 /// One decision.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -141,6 +143,7 @@ impl Plan {
         for tool in &self.notes.tools {
             push(&tool.what, tool.choice.clone(), &tool.reason);
         }
+        self.push_goals(&mut push);
         if self.is_floating() {
             let reason = format!(
                 "supports leave {}",
@@ -149,6 +152,29 @@ impl Plan {
             push("rigid modes", "shifted P1 factor".into(), &reason);
         }
         entries
+    }
+
+    /// What questions about goals will cost.
+    fn push_goals(&self, push: &mut dyn FnMut(&str, String, &str)) {
+        let questions = &self.problem.scene.questions;
+        let goals: HashSet<&Goal> = questions.iter().flat_map(|one| &one.goals).collect();
+        let parameters: HashSet<&Parameter> =
+            questions.iter().flat_map(|one| &one.parameters).collect();
+        if goals.is_empty() {
+            return;
+        }
+        let each = estimate::dual_applications(self);
+        let applications = u64::from(each) * goals.len() as u64;
+        let choice = format!(
+            "{} goals by {} parameters, {applications} applications an increment",
+            goals.len(),
+            parameters.len()
+        );
+        push(
+            "goals",
+            choice,
+            "one dual solution a goal, six evaluations of the residuals a parameter",
+        );
     }
 
     /// What forces, volumes and energies are measured over, where that is not the body.

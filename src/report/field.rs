@@ -44,11 +44,15 @@ pub enum FieldName {
     /// that of the surface which the pressure is per: deformed for bodies of finite strain. Absent
     /// in space.
     ContactPath,
+    /// `[cells, 1]`: part of the cell in the bound of the error by the mesh of the first goal whose
+    /// error is asked for, over its volume: in the plane its area, about an axis the ring's volume.
+    /// Absent without such a goal.
+    ErrorDensity,
 }
 
 impl FieldName {
     /// Every field, in the order of the documentation.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Displacement,
         Self::Pressure,
         Self::ContactPressure,
@@ -64,6 +68,7 @@ impl FieldName {
         Self::LowestMode,
         Self::NodalForce,
         Self::ContactPath,
+        Self::ErrorDensity,
     ];
 
     /// The name used in scenes, on the wire and in VTU files.
@@ -84,6 +89,7 @@ impl FieldName {
             Self::LowestMode => "lowest_mode",
             Self::NodalForce => "nodal_force",
             Self::ContactPath => "contact_path",
+            Self::ErrorDensity => "error_density",
         }
     }
 

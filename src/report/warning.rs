@@ -32,11 +32,13 @@ pub enum WarningKind {
     /// Digits are lost: in motions far larger than the strains, between moduli far apart, in very
     /// flat cells.
     LostDigits,
+    /// Contacts are at the border of closing or opening, where derivatives of goals are one-sided.
+    OneSided,
 }
 
 impl WarningKind {
     /// All, in the order in which they are listed.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Snapped,
         Self::UnstableEquilibrium,
         Self::UntouchedObstacle,
@@ -51,6 +53,7 @@ impl WarningKind {
         Self::CoarseVolume,
         Self::NotUnique,
         Self::LostDigits,
+        Self::OneSided,
     ];
 
     /// The word used on the wire and in result lines.
@@ -70,6 +73,7 @@ impl WarningKind {
             Self::CoarseVolume => "coarse_volume",
             Self::NotUnique => "not_unique",
             Self::LostDigits => "lost_digits",
+            Self::OneSided => "one_sided",
         }
     }
 }
@@ -125,7 +129,8 @@ mod tests {
             CoarseTurn => CoarseVolume,
             CoarseVolume => NotUnique,
             NotUnique => LostDigits,
-            LostDigits => return None,
+            LostDigits => OneSided,
+            OneSided => return None,
         })
     }
 

@@ -59,6 +59,8 @@ pub(crate) fn field(
             (1, touching.at_nodes(&pressure))
         }
         FieldName::ContactPath => (PATH, touching(model, state)?.path()?),
+        // Of a goal, not of the state: the session has it.
+        FieldName::ErrorDensity => return None,
     };
     Some(FieldData {
         name,

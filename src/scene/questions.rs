@@ -1,5 +1,6 @@
 //! What is asked of increments beside their results.
 
+use super::Scene;
 use super::goal::Goal;
 use super::parameter::Parameter;
 
@@ -12,6 +13,14 @@ pub struct GoalQuestions {
     pub parameters: Vec<Parameter>,
     /// Whether the error of each is asked for.
     pub errors: GoalErrors,
+}
+
+impl Scene {
+    /// The first questions about errors; none where no error is asked for.
+    pub(crate) fn bounded(&self) -> Option<&GoalQuestions> {
+        let mut all = self.questions.iter();
+        all.find(|one| one.errors == GoalErrors::Bounded)
+    }
 }
 
 /// Whether errors of goals are asked for.

@@ -7,6 +7,7 @@
 
 pub(crate) mod body;
 pub(crate) mod checkpoint;
+mod goals;
 mod refined;
 mod snapshot;
 mod step_run;
@@ -14,7 +15,6 @@ mod taylor_hood;
 
 use std::sync::Arc;
 
-use crate::goals::GoalError;
 use crate::linalg::Workspace;
 use crate::mesh::Mesh;
 use crate::model::counters::Counters;
@@ -24,11 +24,11 @@ use crate::model::state::State;
 use crate::plan::Plan;
 use crate::prepare::Prepared;
 use crate::report::{
-    CancelToken, FieldData, FieldName, GoalReport, IterationRecord, Observer, Seconds, Silent,
-    StepReport, Termination, WarningKind,
+    CancelToken, FieldData, FieldName, IterationRecord, Observer, Seconds, Silent, StepReport,
+    Termination, WarningKind,
 };
 use crate::scene::validate::check_step;
-use crate::scene::{GoalQuestions, SceneError, Step};
+use crate::scene::{SceneError, Step};
 use crate::sqp::learned::Learned;
 use crate::sqp::watch::Watch;
 use body::{Advanced, Increment};
@@ -70,6 +70,9 @@ pub struct Session {
     pending_factorisations: u32,
     /// Scratch vectors, kept from increment to increment.
     work: Workspace,
+    /// Part of each cell in the error of the first goal whose error is bounded; none where the
+    /// last increment has none.
+    parts: Option<Vec<f64>>,
     /// Keeps the shared data in use, so that a cache counts them as such.
     _prepared: Arc<Prepared>,
 }
@@ -100,6 +103,7 @@ impl Session {
             preparation,
             reused,
             work: Workspace::new(),
+            parts: None,
             body,
             _prepared: prepared,
         }
@@ -353,27 +357,13 @@ impl Session {
         step.finish(number, &advanced.ending, &advanced.counters);
         let time = step.time(number, advanced.part);
         let mut report = self.report(time, advanced);
-        if report.termination == Termination::Converged {
-            self.add_goals(&mut report, cancel);
-        }
+        self.add_goals(&mut report, cancel);
         if step.upcoming().is_some() {
             // What is on its way may touch at the end.
             let warnings = &mut report.warnings;
             warnings.retain(|warning| warning.kind != WarningKind::UntouchedObstacle);
         }
         Some(report)
-    }
-
-    /// Adds the answers to the questions of the scene.
-    fn add_goals(&self, report: &mut StepReport, cancel: &CancelToken) {
-        for questions in &self.plan().scene().questions {
-            match self.answer(questions, cancel) {
-                Ok(mut goals) => report.goals.append(&mut goals),
-                Err(error) => {
-                    report.goals_refused.get_or_insert(error.to_string());
-                }
-            }
-        }
     }
 
     /// Lets the next step start from where a fluid was about to leak, where that was sought.
@@ -452,24 +442,11 @@ impl Session {
         self.work = self.body.complete(increment);
     }
 
-    /// Values and derivatives of functionals of the current state, which the last increment has
-    /// converged to. Changes no later bit. Cost: one solve on the contacts as they are for each goal,
-    /// six evaluations of the residuals for each parameter.
-    ///
-    /// # Errors
-    /// [`GoalError`] for names that the scene does not have, states that are no equilibrium or that
-    /// depend on their way, and where it was cancelled.
-    pub fn answer(
-        &self,
-        questions: &GoalQuestions,
-        cancel: &CancelToken,
-    ) -> Result<Vec<GoalReport>, GoalError> {
-        let at = (&self.state, &self.learned);
-        self.body.answer(at, questions, cancel)
-    }
-
     /// A field of the current state; none if the scene has no such field.
     pub fn field(&self, name: FieldName) -> Option<FieldData> {
+        if name == FieldName::ErrorDensity {
+            return self.error_density();
+        }
         self.body.field((&self.state, &self.learned), name)
     }
 

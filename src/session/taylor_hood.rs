@@ -210,7 +210,7 @@ impl TaylorHoodBody {
     pub(super) fn answer(
         &self,
         (state, learned): (&State, &Learned),
-        questions: &GoalQuestions,
+        questions: &[GoalQuestions],
         cancel: &CancelToken,
     ) -> Result<Vec<GoalReport>, GoalError> {
         let whole = inside::completed(&self.model(), state, learned);
@@ -227,6 +227,16 @@ impl TaylorHoodBody {
             work: Workspace::new(),
         };
         goals::answer(&mut self.run(&mut increment), questions)
+    }
+
+    /// Parts of the cells over their undeformed volumes, areas in two dimensions, in the caller's units.
+    pub(super) fn over_volumes(&self, parts: Vec<f64>) -> Vec<f64> {
+        let model = self.model();
+        let dimension = model.mesh.cell_kind().dimension() as i32;
+        let unit = model.plan.problem.units.length.powi(dimension);
+        let volumes = &model.prepared.geometry.volumes;
+        let of_cell = |(part, volume): (f64, &f64)| part / (volume * unit);
+        parts.into_iter().zip(volumes).map(of_cell).collect()
     }
 
     /// A field of `state` with what the solver has learnt on the way there; none if the scene has

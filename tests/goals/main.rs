@@ -7,3 +7,4 @@ mod adapted;
 mod bounds;
 mod gradients;
 mod refusals;
+mod scenes;

@@ -1,6 +1,7 @@
 //! Names that questions ask about, and scenes whose state depends on its way.
 
 use super::Faults;
+use crate::goals::numbers;
 use crate::scene::{Goal, GoalErrors, GoalKind, GoalQuestions, Parameter, Scene};
 
 /// Most goals, and most parameters, of one question.
@@ -10,20 +11,30 @@ const MOST: usize = 1000;
 pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let mut gradients = 0..;
     for questions in &scene.questions {
-        let path = match questions.errors {
-            GoalErrors::Bounded => "accuracy".to_owned(),
-            GoalErrors::Left => format!("gradient[{}]", gradients.next().unwrap_or(0)),
+        let (path, key) = match questions.errors {
+            GoalErrors::Bounded => ("accuracy".to_owned(), "bound"),
+            GoalErrors::Left => {
+                let index = gradients.next().unwrap_or(0);
+                (format!("gradient[{index}]"), "of")
+            }
         };
-        check_one(scene, questions, (&path, faults));
+        check_one(scene, questions, (&path, key), faults);
     }
 }
 
-fn check_one(scene: &Scene, questions: &GoalQuestions, (path, faults): (&str, &mut Faults)) {
+/// `key` names the goals.
+fn check_one(
+    scene: &Scene,
+    questions: &GoalQuestions,
+    (path, key): (&str, &str),
+    faults: &mut Faults,
+) {
+    let goals = format!("{path}.{key}");
     if questions.goals.is_empty() {
-        faults.add(format!("{path}.of"), "names no goal");
+        faults.add(goals.clone(), "names no goal");
     }
     for (key, count) in [
-        ("of", questions.goals.len()),
+        (key, questions.goals.len()),
         ("to", questions.parameters.len()),
     ] {
         if count > MOST {
@@ -38,12 +49,12 @@ fn check_one(scene: &Scene, questions: &GoalQuestions, (path, faults): (&str, &m
             "`{goal}`: the scene has no {} of that name",
             goal.kind.owner()
         );
-        faults.add(format!("{path}.of"), message);
+        faults.add(goals.clone(), message);
     }
-    let all = questions.parameters.iter();
-    for parameter in all.filter(|parameter| !has_parameter(scene, parameter)) {
-        let message = format!("`{parameter}`: the scene has nothing of that name");
-        faults.add(format!("{path}.to"), message);
+    for parameter in &questions.parameters {
+        if let Some(lacking) = lacking(scene, parameter) {
+            faults.add(format!("{path}.to"), format!("`{parameter}`: {lacking}"));
+        }
     }
     if let Some(cause) = history(scene) {
         let message = format!(
@@ -78,20 +89,49 @@ fn has_obstacle(scene: &Scene, name: &str) -> bool {
     scene.obstacles.iter().any(|one| one.name == name)
 }
 
-fn has_parameter(scene: &Scene, parameter: &Parameter) -> bool {
+/// What the scene lacks of a parameter; none where it has it.
+fn lacking(scene: &Scene, parameter: &Parameter) -> Option<&'static str> {
+    let unless = |is_there: bool, lacking| (!is_there).then_some(lacking);
     match parameter {
-        Parameter::Material { group, .. } => scene.materials.iter().any(|one| one.group == *group),
-        Parameter::Pose { obstacle, .. }
-        | Parameter::Push { obstacle, .. }
-        | Parameter::Shape { obstacle, .. } => has_obstacle(scene, obstacle),
-        Parameter::Load | Parameter::BodyForce { .. } => true,
-        Parameter::Pressure { index } => *index < scene.pressures.len(),
+        Parameter::Material { group, constant } => {
+            let mut all = scene.materials.iter();
+            match all.find(|one| one.group == *group) {
+                None => Some("the scene has no material of that group"),
+                Some(law) => unless(
+                    numbers::constant(&mut law.model.clone(), constant).is_some(),
+                    "the law has no such finite constant",
+                ),
+            }
+        }
+        Parameter::Pose { obstacle, .. } | Parameter::Push { obstacle, .. } => unless(
+            has_obstacle(scene, obstacle),
+            "the scene has no obstacle of that name",
+        ),
+        Parameter::Shape { obstacle, key } => {
+            let mut all = scene.obstacles.iter();
+            match all.find(|one| one.name == *obstacle) {
+                None => Some("the scene has no obstacle of that name"),
+                Some(tool) => unless(
+                    numbers::number(&mut tool.shape.clone(), key).is_some(),
+                    "the shape has no such number",
+                ),
+            }
+        }
+        Parameter::Load | Parameter::BodyForce { .. } => None,
+        Parameter::Pressure { index } => unless(
+            *index < scene.pressures.len(),
+            "the scene has no such pressure; they are counted from 0",
+        ),
         Parameter::Traction { item, .. } => {
             let mut all = scene.tractions.iter();
             let place = item.parse::<usize>().ok();
-            place.is_some_and(|place| place < all.len())
-                || all.any(|one| one.name.as_ref() == Some(item))
+            let is_place = place.is_some_and(|place| place < all.len());
+            let is_there = is_place || all.any(|one| one.name.as_ref() == Some(item));
+            unless(is_there, "the scene has no traction of that name or place")
         }
-        Parameter::Support { support, .. } => scene.supports.iter().any(|one| one.name == *support),
+        Parameter::Support { support, .. } => unless(
+            scene.supports.iter().any(|one| one.name == *support),
+            "the scene has no support of that name",
+        ),
     }
 }

@@ -1,0 +1,78 @@
+//! Questions about the current state: those of the scene after every increment, and any others.
+
+use super::Session;
+use crate::goals::GoalError;
+use crate::report::{
+    CancelToken, FieldData, FieldName, GoalReport, StepReport, Termination, Warning, WarningKind,
+};
+use crate::scene::GoalQuestions;
+
+impl Session {
+    /// Values, derivatives and errors of functionals of the current state, which the last increment
+    /// has converged to. Changes no later bit. Cost: one solve on the contacts as they are for each
+    /// goal, six evaluations of the residuals for each parameter.
+    ///
+    /// # Errors
+    /// [`GoalError`] for names that the scene does not have, states that are no equilibrium or that
+    /// depend on their way, and where it was cancelled.
+    pub fn answer(
+        &self,
+        questions: &GoalQuestions,
+        cancel: &CancelToken,
+    ) -> Result<Vec<GoalReport>, GoalError> {
+        let at = (&self.state, &self.learned);
+        self.body
+            .answer(at, std::slice::from_ref(questions), cancel)
+    }
+
+    /// Adds the answers to the questions of the scene to the report of a converged increment.
+    pub(super) fn add_goals(&mut self, report: &mut StepReport, cancel: &CancelToken) {
+        self.parts = None;
+        let questions = &self.plan().scene().questions;
+        if questions.is_empty() || report.termination != Termination::Converged {
+            return;
+        }
+        let start = std::time::Instant::now();
+        let at = (&self.state, &self.learned);
+        match self.body.answer(at, questions, cancel) {
+            Ok(goals) => {
+                report.warnings.extend(one_sided(&goals));
+                let mut bounds = goals.iter().filter_map(|goal| goal.bound.as_ref());
+                self.parts = bounds.next().map(|bound| bound.cells.clone());
+                report.goals = goals;
+            }
+            Err(error) => report.goals_refused = Some(error.to_string()),
+        }
+        report.seconds.total += start.elapsed().as_secs_f64();
+    }
+
+    /// Parts of the cells in the error of the first goal whose error is bounded, over their volumes.
+    pub(super) fn error_density(&self) -> Option<FieldData> {
+        let parts = self.parts.clone().or_else(|| self.parts_anew())?;
+        Some(FieldData {
+            name: FieldName::ErrorDensity,
+            components: 1,
+            values: self.body.over_volumes(parts),
+        })
+    }
+
+    /// The parts where no increment of this session has left any, as after a checkpoint.
+    fn parts_anew(&self) -> Option<Vec<f64>> {
+        let mut goals = self.plan().scene().bounded()?.clone();
+        goals.goals.truncate(1);
+        let answers = self.answer(&goals, &CancelToken::new()).ok()?;
+        Some(answers.into_iter().next()?.bound?.cells)
+    }
+}
+
+/// The warning of derivatives at the border of a contact; none where there are none.
+fn one_sided(goals: &[GoalReport]) -> Option<Warning> {
+    let at_border = |goal: &&GoalReport| goal.borderline > 0 && !goal.derivatives.is_empty();
+    let count = goals.iter().find(at_border)?.borderline;
+    let message = format!(
+        "{count} contacts are about to close or to open: derivatives of goals are one-sided, those \
+         with the contacts as they are"
+    );
+    let value = Some(f64::from(count));
+    Some(Warning::new(WarningKind::OneSided, "", value, message))
+}
