@@ -36,11 +36,13 @@ fn main() -> Outcome<()> {
 }
 
 /// Messages that become JSON as they are.
-const SERIALISED: [&str; 21] = [
+const SERIALISED: [&str; 23] = [
     "Attempt",
     "CauseSite",
     "ContactInterval",
     "FluidResult",
+    "GoalBound",
+    "GoalResult",
     "IterationReport",
     "LeakPath",
     "ManufacturedErrors",
@@ -96,6 +98,14 @@ fn serialised(mut builder: Builder) -> Builder {
         .field_attribute(
             "signorini.v1.StepReport.fluids",
             "#[serde(skip_serializing_if = \"std::collections::BTreeMap::is_empty\")]",
+        )
+        .field_attribute(
+            "signorini.v1.StepReport.goals",
+            "#[serde(skip_serializing_if = \"std::collections::BTreeMap::is_empty\")]",
+        )
+        .field_attribute(
+            "signorini.v1.StepReport.goals_refused",
+            "#[serde(skip_serializing_if = \"Option::is_none\")]",
         )
 }
 

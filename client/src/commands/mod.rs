@@ -171,7 +171,7 @@ fn lightest_field(scene: &v1::Scene) -> Vec<v1::FieldName> {
         | v1::FieldName::ContactPressure
         | v1::FieldName::ContactPressureDeformed
         | v1::FieldName::ContactPressureUndeformed => 1,
-        v1::FieldName::Pressure | v1::FieldName::ErrorEstimate => 2,
+        v1::FieldName::Pressure | v1::FieldName::ErrorEstimate | v1::FieldName::ErrorDensity => 2,
         v1::FieldName::Unspecified
         | v1::FieldName::Displacement
         | v1::FieldName::FrictionTraction

@@ -4,6 +4,7 @@
 //! Parts of a path are keys and positions of lists, `x`, `y`, `z` for the first three:
 //! `obstacles.ball.force.z`. Names with dots are found too: the longest key that fits is taken.
 
+use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
@@ -69,9 +70,10 @@ impl std::fmt::Display for At {
 }
 
 impl Wanted {
-    /// The forces of the obstacles of a scene, for studies that name nothing.
+    /// The forces of the obstacles of a scene, and its goals with their bounds and derivatives, for
+    /// studies that name nothing.
     pub(crate) fn forces(scene: &v1::Scene) -> Vec<Self> {
-        let paths = scene.obstacles.iter().flat_map(|obstacle| {
+        let forces = scene.obstacles.iter().flat_map(|obstacle| {
             let axes = ["x", "y", "z"].into_iter();
             axes.map(|axis| format!("obstacles.{}.force.{axis}", obstacle.name))
         });
@@ -80,7 +82,18 @@ impl Wanted {
             of,
             at: At::Last,
         };
-        paths.map(wanted).collect()
+        let goals = goals(scene);
+        let answers = goals.iter().flat_map(|(name, goal)| {
+            let derivatives = goal.derivatives.keys();
+            let derivatives = derivatives.map(|parameter| format!("derivatives.{parameter}"));
+            let bound = goal.bound.map(|_| "bound.total".to_owned());
+            let columns = ["value".to_owned()]
+                .into_iter()
+                .chain(bound)
+                .chain(derivatives);
+            columns.map(move |column| format!("goals.{name}.{column}"))
+        });
+        forces.chain(answers).map(wanted).collect()
     }
 
     /// What is wrong with its path for a scene, if something is.
@@ -94,6 +107,22 @@ impl Wanted {
             Err(fault) => Some(fault),
         }
     }
+}
+
+/// Goals of a scene with what is asked of them, and no numbers.
+fn goals(scene: &v1::Scene) -> BTreeMap<String, v1::GoalResult> {
+    let mut goals = BTreeMap::<String, v1::GoalResult>::new();
+    for gradient in &scene.gradients {
+        for goal in &gradient.of {
+            let derivatives = &mut goals.entry(goal.clone()).or_default().derivatives;
+            derivatives.extend(gradient.to.iter().map(|one| (one.clone(), 0.0)));
+        }
+    }
+    let bounded = scene.accuracy.iter().flat_map(|accuracy| &accuracy.bound);
+    for goal in bounded {
+        goals.entry(goal.clone()).or_default().bound = Some(v1::GoalBound::default());
+    }
+    goals
 }
 
 /// The line of a result that has all names of a scene and no numbers.
@@ -116,6 +145,7 @@ fn blank(scene: &v1::Scene) -> Value {
         supports: supports.map(|name| (name, Default::default())).collect(),
         probes: probes.map(|name| (name, Default::default())).collect(),
         fluids: fluids.map(|name| (name, wet())).collect(),
+        goals: goals(scene),
         seconds: Some(v1::Seconds::default()),
         residuals: Some(v1::Residuals::default()),
         ..Default::default()
@@ -308,5 +338,32 @@ mod tests {
             let fault = fault(wrong).unwrap_or_default();
             assert!(fault.contains(said), "{wrong}: {fault}");
         }
+    }
+
+    #[test]
+    fn goals_of_the_scene_are_columns_of_studies_that_name_none() {
+        let texts = |all: &[&str]| all.iter().map(|&one| one.to_owned()).collect();
+        let scene = v1::Scene {
+            gradients: vec![v1::Gradient {
+                of: texts(&["force.ball.z"]),
+                to: texts(&["material.body.c10", "load"]),
+            }],
+            accuracy: Some(v1::Accuracy {
+                bound: texts(&["force.ball.z"]),
+            }),
+            ..Default::default()
+        };
+        let all = Wanted::forces(&scene);
+        let names: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
+        let expected = [
+            "goals.force.ball.z.value",
+            "goals.force.ball.z.bound.total",
+            "goals.force.ball.z.derivatives.load",
+            "goals.force.ball.z.derivatives.material.body.c10",
+        ];
+        assert_eq!(names, expected);
+        assert!(all.iter().all(|one| one.fault(&scene).is_none()));
+        let none = v1::Scene::default();
+        assert!(all[0].fault(&none).is_some());
     }
 }

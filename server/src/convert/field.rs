@@ -156,6 +156,7 @@ pub(crate) fn name(field: FieldName) -> wire::FieldName {
         FieldName::LowestMode => wire::FieldName::LowestMode,
         FieldName::NodalForce => wire::FieldName::NodalForce,
         FieldName::ContactPath => wire::FieldName::ContactPath,
+        FieldName::ErrorDensity => wire::FieldName::ErrorDensity,
     }
 }
 

@@ -209,6 +209,13 @@ fn good_scene(mesh: &Mesh) -> wire::Scene {
             name: "tip".into(),
             point: vec![0.5, 0.5, 0.5],
         }],
+        gradients: vec![wire::Gradient {
+            of: vec!["force.ball.z".into(), "displacement.tip.x".into()],
+            to: vec!["material.body.young_modulus".into(), "load".into()],
+        }],
+        accuracy: Some(wire::Accuracy {
+            bound: vec!["reaction.base.z".into()],
+        }),
         output: Some(wire::Output {
             fields: vec![1, 2, 3],
             every: Some(2),

@@ -3,9 +3,9 @@
 use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
-    Attempt, Cause, CauseSite, ContactInterval, FluidResult, IterationRecord, LeakPathResult,
-    ManufacturedErrors, ObstacleResult, ProbeResult, Residuals, Seconds, Snapped, Stability,
-    StepReport, Strategy, SupportResult, Termination, Tightness, Unknowns, Warning,
+    Attempt, Cause, CauseSite, ContactInterval, FluidResult, GoalReport, IterationRecord,
+    LeakPathResult, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals, Seconds, Snapped,
+    Stability, StepReport, Strategy, SupportResult, Termination, Tightness, Unknowns, Warning,
 };
 use signorini_proto::v1 as wire;
 
@@ -52,6 +52,8 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         supports: by_name(report.supports, support),
         probes: by_name(report.probes, probe),
         fluids: by_name(report.fluids, fluid),
+        goals: report.goals.into_iter().map(goal).collect(),
+        goals_refused: report.goals_refused,
         error_estimate: report.error_estimate,
         errors: report.errors.map(errors),
         seconds: Some(seconds(report.seconds)),
@@ -232,6 +234,27 @@ fn by_name<D, W>(
     map.into_iter()
         .map(|(name, value)| (name, convert(value)))
         .collect()
+}
+
+fn goal(value: GoalReport) -> (String, wire::GoalResult) {
+    let bound = value.bound.map(|bound| wire::GoalBound {
+        total: bound.total(),
+        mesh: bound.discretisation,
+        solver: bound.solver,
+        geometry: bound.geometry,
+        estimate: bound.estimate,
+    });
+    let result = wire::GoalResult {
+        value: value.value,
+        derivatives: value.derivatives.into_iter().collect(),
+        borderline: narrow(value.borderline),
+        solver_error: value.solver_error,
+        bound,
+        dual_residual: value.dual_residual,
+        applications: narrow(value.applications),
+        seconds: value.seconds,
+    };
+    (value.goal, result)
 }
 
 fn residuals(value: Residuals) -> wire::Residuals {

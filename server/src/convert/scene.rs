@@ -2,6 +2,7 @@
 
 mod boundary;
 mod fluid;
+mod questions;
 mod solver;
 
 use signorini::Plan;
@@ -17,11 +18,14 @@ use crate::config::Compared;
 use crate::fault::Fault;
 use boundary::{obstacle, pressure, support, traction};
 use fluid::fluid;
+use questions::questions;
 use solver::solver;
 
 const MAXIMUM_LIST: usize = 4096;
 const MAXIMUM_OBSTACLES: usize = 1000;
 const MAXIMUM_FLUIDS: usize = 64;
+const MAXIMUM_GRADIENTS: usize = 100;
+const MAXIMUM_GOALS: usize = 1000;
 const MAXIMUM_PROBES: usize = 10_000;
 const MAXIMUM_STEPS: usize = 10_000;
 const MAXIMUM_EVERY: u32 = 100_000;
@@ -103,6 +107,22 @@ fn limits(message: &wire::Scene, faults: &mut Faults) {
     faults.at_most(&message.fluids, MAXIMUM_FLUIDS, "fluid");
     faults.at_most(&message.obstacles, MAXIMUM_OBSTACLES, "obstacle");
     faults.at_most(&message.probes, MAXIMUM_PROBES, "probe");
+    faults.at_most(&message.gradients, MAXIMUM_GRADIENTS, "gradient");
+    for (index, gradient) in message.gradients.iter().enumerate() {
+        faults.at_most(
+            &gradient.of,
+            MAXIMUM_GOALS,
+            &format!("gradient[{index}].of"),
+        );
+        faults.at_most(
+            &gradient.to,
+            MAXIMUM_GOALS,
+            &format!("gradient[{index}].to"),
+        );
+    }
+    if let Some(accuracy) = &message.accuracy {
+        faults.at_most(&accuracy.bound, MAXIMUM_GOALS, "accuracy.bound");
+    }
     faults.at_most(&message.steps, MAXIMUM_STEPS, "step");
 }
 
@@ -144,7 +164,7 @@ fn body(message: wire::Scene, surfaces: &SurfacesByName, faults: &mut Faults) ->
         manufactured: (!message.manufactured.is_empty())
             .then(|| faults.name(&message.manufactured, "manufactured.field")),
         probes: collect(message.probes, faults, probe),
-        questions: Vec::new(),
+        questions: questions(message.gradients, message.accuracy, faults),
         solver: solver(message.solver.unwrap_or_default(), faults),
     }
 }
