@@ -42,7 +42,7 @@ pub(crate) struct RefineArguments {
     #[arg(long, num_args = 4, allow_negative_numbers = true,
         value_names = ["X", "Y", "Z", "RADIUS"])]
     pub(crate) near: Vec<f64>,
-    /// Cells that hold half of the squared error by a file of results (VTU with error_estimate)
+    /// Cells that hold half of the error by a file of results (VTU with error_density or error_estimate)
     #[arg(long, value_name = "FILE")]
     pub(crate) by: Option<PathBuf>,
     /// How often their edges are halved: two bisections of triangles each, three of tetrahedra

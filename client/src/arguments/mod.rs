@@ -331,6 +331,9 @@ pub(crate) struct SolveArguments {
     #[arg(long, value_name = "SECONDS", conflicts_with = "detach",
         value_parser = clap::value_parser!(u64).range(..=LONGEST_TTL))]
     pub(crate) patience: Option<u64>,
+    /// Bound the error of the force of every obstacle, along its motion where that is along an axis
+    #[arg(long)]
+    pub(crate) accuracy: bool,
     /// Recompute the residuals of each result by an independent path
     #[arg(long)]
     pub(crate) verify: bool,

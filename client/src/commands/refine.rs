@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
+use signorini::geometry::vector3::{cross, dot, sub};
 use signorini::mesh::{CellKind, EdgeOffset, Group, GroupKind, Mesh, MeshParts};
 use signorini::refinement::{Hierarchy, Limits, RefinementError};
 use signorini_client::formats::msh::{self, CurvedEdge, MeshFile, MeshGroup};
@@ -20,7 +21,7 @@ use crate::terminal::whole_file;
 
 /// Arrays of errors by cell in files of results, the first one that is there.
 const ERRORS: [&str; 2] = ["error_density", "error_estimate"];
-/// Share of the sum of squared errors that marked cells hold.
+/// Share of the sum of squared errors, or of the parts of the bound of a goal, that marked cells hold.
 const SHARE: f64 = 0.5;
 
 /// What is halved.
@@ -179,10 +180,14 @@ impl Part {
     }
 }
 
-/// Whether each cell is among the worst ones that hold [`SHARE`] of the sum of the squared errors
-/// in a file of results (W. Dorfler, SIAM J. Numer. Anal. 33, 1996).
-fn by_error(path: &Path, mesh: &Mesh) -> Result<Vec<bool>, Failure> {
-    let errors = input::read_file(path, |bytes| vtk::cell_values(bytes, &ERRORS))?;
+/// What each cell adds to the error: its part of the bound of a goal, or the square of its part in
+/// the energy norm.
+fn shares(path: &Path, mesh: &Mesh) -> Result<Vec<f64>, Failure> {
+    let read =
+        |names: &[&'static str]| input::read_file(path, |bytes| vtk::cell_values(bytes, names));
+    let goal = read(&ERRORS[..1]);
+    let is_of_goal = goal.is_ok();
+    let errors = goal.or_else(|_| read(&ERRORS))?;
     if errors.len() != mesh.cell_count() {
         let (values, cells) = (errors.len(), mesh.cell_count());
         let message = format!(
@@ -191,17 +196,39 @@ fn by_error(path: &Path, mesh: &Mesh) -> Result<Vec<bool>, Failure> {
         );
         return Err(Failure::new(Exit::Invalid, message));
     }
-    let squares: Vec<f64> = errors.iter().map(|error| error * error).collect();
-    let mut worst: Vec<(usize, f64)> = squares.iter().copied().enumerate().collect();
+    let share = |(cell, error): (usize, f64)| {
+        if is_of_goal {
+            error.abs() * volume(mesh, cell)
+        } else {
+            error * error
+        }
+    };
+    Ok(errors.into_iter().enumerate().map(share).collect())
+}
+
+/// Volume of a cell, in the plane its area.
+fn volume(mesh: &Mesh, cell: usize) -> f64 {
+    let [a, b, c, d] = mesh.corners(cell);
+    let normal = cross(sub(b, a), sub(c, a));
+    match mesh.cell_kind() {
+        CellKind::Triangle => 0.5 * dot(normal, normal).sqrt(),
+        CellKind::Tetrahedron => dot(normal, sub(d, a)).abs() / 6.0,
+    }
+}
+
+/// Whether each cell is among the worst ones that hold [`SHARE`] of the error in a file of results (W. Dorfler, SIAM J. Numer. Anal. 33, 1996).
+fn by_error(path: &Path, mesh: &Mesh) -> Result<Vec<bool>, Failure> {
+    let shares = shares(path, mesh)?;
+    let mut worst: Vec<(usize, f64)> = shares.iter().copied().enumerate().collect();
     worst.sort_by(|one, other| other.1.total_cmp(&one.1));
-    let goal = SHARE * squares.iter().sum::<f64>();
-    let mut asks = vec![false; squares.len()];
+    let goal = SHARE * shares.iter().sum::<f64>();
+    let mut asks = vec![false; shares.len()];
     let mut sum = 0.0;
-    for (cell, square) in worst {
+    for (cell, share) in worst {
         if sum >= goal {
             break;
         }
-        sum += square;
+        sum += share;
         if let Some(asks) = asks.get_mut(cell) {
             *asks = true;
         }

@@ -1,5 +1,6 @@
 //! `solve`: one scene from its file to its results.
 
+mod accuracy;
 mod detach;
 mod run;
 
@@ -25,7 +26,7 @@ pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<E
         return Box::pin(detach::run(arguments)).await;
     }
     let mut input = input::load(&arguments.scene)?;
-    complete(&mut input.scene, &arguments);
+    complete(&mut input, &arguments)?;
     let patience = arguments.patience.map_or(PATIENCE, Duration::from_secs);
     let mut run = Run::new(record(&arguments, &input.scene.steps), patience);
     run.record.input(&input.mesh.warnings);
@@ -37,7 +38,11 @@ pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<E
 }
 
 /// Adds to the scene what the arguments ask for.
-fn complete(scene: &mut v1::Scene, arguments: &SolveArguments) {
+fn complete(input: &mut Input, arguments: &SolveArguments) -> Result<(), Failure> {
+    let scene = &mut input.scene;
+    if arguments.accuracy {
+        accuracy::bound_forces(scene, input.mesh.vertices_per_cell - 1)?;
+    }
     if arguments.verify {
         scene.solver.get_or_insert_default().verify = true;
     }
@@ -57,6 +62,7 @@ fn complete(scene: &mut v1::Scene, arguments: &SolveArguments) {
     if fields.contains(&pressure.into()) && !fields.contains(&path.into()) {
         fields.push(path.into());
     }
+    Ok(())
 }
 
 fn record(arguments: &SolveArguments, steps: &[v1::LoadStep]) -> Record {

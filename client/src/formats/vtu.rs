@@ -17,7 +17,8 @@ const VTK_QUADRATIC_TRIANGLE: u8 = 22;
 const VTK_QUADRATIC_TETRA: u8 = 24;
 
 /// Fields that have one row a cell.
-const CELL_FIELDS: [&str; 6] = [
+const CELL_FIELDS: [&str; 7] = [
+    "error_density",
     "error_estimate",
     "jacobian",
     "principal_stresses",

@@ -91,11 +91,17 @@ fn every_word_of_a_result_line_is_told() {
 #[test]
 fn every_column_of_the_table_is_on_the_page_and_no_other() {
     let named = || "NAME".to_owned();
+    let goal = v1::GoalResult {
+        bound: Some(v1::GoalBound::default()),
+        derivatives: BTreeMap::from([("PARAMETER".to_owned(), 0.0)]),
+        ..Default::default()
+    };
     let report = v1::StepReport {
         obstacles: BTreeMap::from([(named(), v1::ObstacleResult::default())]),
         supports: BTreeMap::from([(named(), v1::SupportResult::default())]),
         probes: BTreeMap::from([(named(), v1::ProbeResult::default())]),
         fluids: BTreeMap::from([(named(), v1::FluidResult::default())]),
+        goals: BTreeMap::from([(named(), goal)]),
         ..Default::default()
     };
     let known: BTreeSet<String> = results_csv::header(&report).into_iter().collect();

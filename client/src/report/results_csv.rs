@@ -1,7 +1,7 @@
 //! `results.csv`: one row an increment, for spreadsheets.
 //!
 //! The columns are those of the first result: what runs, then each obstacle, support,
-//! probe and fluid by name. A number that a result does not have is left empty.
+//! probe, fluid and goal by name. A number that a result does not have is left empty.
 
 use std::fs::File;
 use std::path::Path;
@@ -30,6 +30,9 @@ const OF_FLUID: [&str; 10] = [
     "flow_rate",
 ];
 
+/// What is told of the error of a goal.
+const OF_BOUND: [&str; 2] = ["bound", "estimate"];
+
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The file under construction.
@@ -45,6 +48,8 @@ struct Columns {
     supports: Vec<String>,
     probes: Vec<String>,
     fluids: Vec<String>,
+    /// Goals, whether their error is bounded, and what they are differentiated by.
+    goals: Vec<(String, bool, Vec<String>)>,
 }
 
 impl ResultsCsv {
@@ -92,6 +97,7 @@ impl Columns {
             supports: report.supports.keys().cloned().collect(),
             probes: report.probes.keys().cloned().collect(),
             fluids: report.fluids.keys().cloned().collect(),
+            goals: report.goals.iter().map(of_goal).collect(),
         }
     }
 
@@ -140,6 +146,14 @@ impl Columns {
             header.extend(OF_FLUID.map(|column| format!("fluid.{name}.{column}")));
             header.extend(AXES.map(|axis| format!("fluid.{name}.force_{axis}")));
         }
+        for (name, has_bound, parameters) in &self.goals {
+            header.push(format!("goal.{name}"));
+            if *has_bound {
+                header.extend(OF_BOUND.map(|column| format!("goal.{name}.{column}")));
+            }
+            let parameters = parameters.iter();
+            header.extend(parameters.map(|parameter| format!("goal.{name} by {parameter}")));
+        }
         header
     }
 
@@ -184,8 +198,36 @@ impl Columns {
         for name in &self.fluids {
             row.extend(wet(report.fluids.get(name)));
         }
+        for columns in &self.goals {
+            row.extend(answered(columns, report.goals.get(&columns.0)));
+        }
         row
     }
+}
+
+/// The columns of a goal.
+fn of_goal((name, goal): (&String, &v1::GoalResult)) -> (String, bool, Vec<String>) {
+    let parameters = goal.derivatives.keys().cloned().collect();
+    (name.clone(), goal.bound.is_some(), parameters)
+}
+
+/// A goal, its bound and its derivatives.
+fn answered(
+    (_, has_bound, parameters): &(String, bool, Vec<String>),
+    goal: Option<&v1::GoalResult>,
+) -> Vec<String> {
+    let mut row = vec![cell(goal.map(|goal| goal.value))];
+    let bound = goal.and_then(|goal| goal.bound);
+    if *has_bound {
+        let columns = [
+            bound.map(|bound| bound.total),
+            bound.map(|bound| bound.estimate),
+        ];
+        row.extend(columns.map(cell));
+    }
+    let derivative = |name| goal.and_then(|goal| goal.derivatives.get(name).copied());
+    row.extend(parameters.iter().map(|name| cell(derivative(name))));
+    row
 }
 
 /// How far contact extends on an obstacle, and its pressures.

@@ -92,6 +92,26 @@ impl Travels {
         self.along(name, &obstacle.force).unwrap_or_else(size)
     }
 
+    /// Bound of the error of [`Self::force`], from those of the components that it is made of; none
+    /// where one of them has none.
+    pub(crate) fn force_bound(&self, name: &str, report: &v1::StepReport) -> Option<f64> {
+        let direction = self.obstacles.get(name)?;
+        let mut sum = 0.0;
+        for (share, axis) in direction.iter().zip(["x", "y", "z"]) {
+            if *share != 0.0 {
+                let goal = report.goals.get(&format!("force.{name}.{axis}"))?;
+                sum += share.abs() * goal.bound?.total;
+            }
+        }
+        Some(sum)
+    }
+
+    /// The bound of the error of the force where there is one, else its estimate.
+    pub(crate) fn force_error(&self, name: &str, report: &v1::StepReport) -> Option<f64> {
+        let estimate = || report.obstacles.get(name)?.force_error;
+        self.force_bound(name, report).or_else(estimate)
+    }
+
     /// How far an obstacle is along its travel.
     pub(crate) fn distance(&self, name: &str, report: &v1::StepReport) -> Option<f64> {
         let pose = report.obstacle_poses.iter().find(|pose| pose.name == name);

@@ -32,6 +32,7 @@ pub(crate) const FIELDS: &[(&str, v1::FieldName)] = &[
     ("lowest_mode", v1::FieldName::LowestMode),
     ("nodal_force", v1::FieldName::NodalForce),
     ("contact_path", v1::FieldName::ContactPath),
+    ("error_density", v1::FieldName::ErrorDensity),
 ];
 
 /// The key `name`, or a name made of the kind and the position.

@@ -7,6 +7,7 @@
 
 mod body;
 mod fluid;
+mod goals;
 pub(crate) mod keys;
 mod material;
 mod obstacle;
@@ -54,6 +55,8 @@ const SCENE: &[&str] = &[
     "step",
     "solver",
     "probe",
+    "gradient",
+    "accuracy",
     "output",
 ];
 
@@ -217,6 +220,8 @@ fn scene(keys: &Keys<'_>, stem: String) -> v1::Scene {
         steps: step::steps(keys),
         solver: body::solver(keys),
         probes: body::probes(keys),
+        gradients: goals::gradients(keys),
+        accuracy: goals::accuracy(keys),
         output: body::output(keys),
         units: body::units(keys),
     }

@@ -13,7 +13,7 @@ use crate::library::error::Violation;
 
 /// Keys whose value is an array of tables.
 const ARRAYS: &[&str] = &[
-    "support", "traction", "pressure", "obstacle", "step", "probe",
+    "support", "traction", "pressure", "obstacle", "step", "probe", "gradient",
 ];
 
 /// Most parts of a path: no key of a scene lies so deep, and a table nested

@@ -420,3 +420,20 @@ fn rows_of_files_reach_the_places_that_name_them() {
     assert!(why.contains("wind-2.csv: line 2: node 4711:"), "{why}");
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+#[test]
+fn goals_and_parameters_are_a_name_or_a_list() {
+    let text = format!(
+        "{SMALL}[accuracy]\nbound = \"force.lid.y\"\n[[gradient]]\nof = [\"force.lid.y\"]\nto = \"load\"\n"
+    );
+    let scene = parse(&text, &[]).unwrap().scene;
+    assert_eq!(scene.accuracy.unwrap().bound, ["force.lid.y"]);
+    assert_eq!(
+        (&scene.gradients[0].of[0], &scene.gradients[0].to[0]),
+        (&"force.lid.y".to_owned(), &"load".to_owned())
+    );
+    assert_eq!(
+        fault("[[gradient]]\nof = \"load\"\n"),
+        "gradient[0].to: required key is missing"
+    );
+}

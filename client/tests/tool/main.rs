@@ -10,6 +10,7 @@ mod contact_path;
 mod detached;
 mod examples;
 mod fluids;
+mod goals;
 mod grids;
 mod hexahedra;
 mod interrupt;

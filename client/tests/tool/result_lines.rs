@@ -169,6 +169,37 @@ fn fluids_are_told_with_their_paths_and_scenes_without_have_no_word_of_them() {
 }
 
 #[test]
+fn goals_are_told_with_bounds_and_derivatives_and_scenes_without_have_no_word_of_them() {
+    let line = result_line::step(&report());
+    assert!(line.get("goals").is_none() && line.get("goals_refused").is_none());
+    let bounded = v1::GoalResult {
+        value: -2.0,
+        bound: Some(v1::GoalBound {
+            total: 0.5,
+            ..Default::default()
+        }),
+        ..Default::default()
+    };
+    let differentiated = v1::GoalResult {
+        derivatives: BTreeMap::from([("material.body.c10".to_owned(), 3.5)]),
+        ..Default::default()
+    };
+    let line = result_line::step(&v1::StepReport {
+        goals: BTreeMap::from([
+            ("force.ball.y".to_owned(), bounded),
+            ("displacement.pole.x".to_owned(), differentiated),
+        ]),
+        goals_refused: Some("cancelled".to_owned()),
+        ..report()
+    });
+    assert_matches(&line);
+    assert_eq!(line["goals"]["force.ball.y"]["bound"]["total"], json!(0.5));
+    let other = &line["goals"]["displacement.pole.x"];
+    assert_eq!(other["derivatives"]["material.body.c10"], json!(3.5));
+    assert_eq!(other["bound"], Value::Null);
+}
+
+#[test]
 fn the_schema_refuses_missing_unknown_and_mistyped_keys() {
     let schema = result_lines();
     for (key, value) in [

@@ -27,7 +27,7 @@ pub(super) async fn run(arguments: SolveArguments) -> Result<Exit, Failure> {
         return Err(Failure::new(Exit::Usage, message));
     };
     let mut input = input::load(&arguments.scene)?;
-    complete(&mut input.scene, &arguments);
+    complete(&mut input, &arguments)?;
     let client = Client::connect_with(server, &arguments.scene.access.read()?).await?;
     let ttl = arguments.ttl.map_or(DAY, Duration::from_secs);
     let tell = |warnings: &[String]| {

@@ -7,7 +7,7 @@ use serde_json::Value;
 use signorini_proto::v1;
 
 use super::fluid::{self, Leak, Wet};
-use super::lines::{Interval, Iteration, Lines, Obstacle, Step, Support, Warning};
+use super::lines::{Goal, Interval, Iteration, Lines, Obstacle, Step, Support, Warning};
 use super::surface::Picture;
 use crate::report::path_csv;
 use crate::report::table::{self, cause};
@@ -85,6 +85,10 @@ struct Row {
     supports: BTreeMap<String, Reaction>,
     probes: BTreeMap<String, (Vec<f64>, Option<f64>)>,
     fluids: BTreeMap<String, Wet>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    goals: BTreeMap<String, Goal>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    goals_refused: Option<String>,
 }
 
 /// An obstacle in one increment.
@@ -223,6 +227,8 @@ fn row(step: &Step, travels: &Travels) -> Row {
             .map(|(name, probe)| (name.clone(), (probe.displacement.clone(), probe.pressure)))
             .collect(),
         fluids: fluid::wet(&step.fluids),
+        goals: step.goals.clone(),
+        goals_refused: step.goals_refused.clone(),
     }
 }
 

@@ -48,6 +48,8 @@ pub(super) struct Step {
     pub(super) supports: BTreeMap<String, Support>,
     pub(super) probes: BTreeMap<String, Probe>,
     pub(super) fluids: BTreeMap<String, Fluid>,
+    pub(super) goals: BTreeMap<String, Goal>,
+    pub(super) goals_refused: Option<String>,
     pub(super) error_estimate: Option<f64>,
     pub(super) seconds: Seconds,
 }
@@ -143,6 +145,26 @@ pub(super) struct LeakPath {
     pub(super) margin_over_pressure: Option<f64>,
     pub(super) sealed_width: Option<f64>,
     pub(super) points: Vec<[f64; 3]>,
+}
+
+/// A goal with its error and its derivatives.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub(super) struct Goal {
+    pub(super) value: Option<f64>,
+    pub(super) derivatives: BTreeMap<String, Option<f64>>,
+    pub(super) bound: Option<GoalBound>,
+}
+
+/// Parts of the bound of its error.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub(super) struct GoalBound {
+    pub(super) total: Option<f64>,
+    pub(super) mesh: Option<f64>,
+    pub(super) solver: Option<f64>,
+    pub(super) geometry: Option<f64>,
+    pub(super) estimate: Option<f64>,
 }
 
 /// Where an obstacle is.

@@ -24,12 +24,13 @@ use crate::terminal::whole_file;
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 /// In the order in which they run.
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 7] = [
     include_str!("chart.js"),
     include_str!("body.js"),
     include_str!("view.js"),
     include_str!("parts.js"),
     include_str!("fluid.js"),
+    include_str!("goals.js"),
     include_str!("page.js"),
 ];
 

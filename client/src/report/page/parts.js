@@ -12,6 +12,7 @@ const LABELS = {
   gap: "gap",
   jacobian: "change of volume (det F)",
   error_estimate: "error estimate by cell",
+  error_density: "error of the goal by volume",
 };
 const label = (name) => LABELS[name] || words(name);
 

@@ -122,7 +122,8 @@ fn pressed(
     report: &v1::StepReport,
     travels: &Travels,
 ) -> String {
-    let force = with_error(travels.force(name, obstacle), obstacle.force_error);
+    let error = travels.force_error(name, report);
+    let force = with_error(travels.force(name, obstacle), error);
     let along = match travels.distance(name, report) {
         Some(distance) => format!(" along its travel, of {} so far", number(distance)),
         None => String::new(),

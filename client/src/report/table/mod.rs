@@ -3,6 +3,7 @@
 
 mod cause;
 mod fluid;
+mod goals;
 mod increment;
 mod plan;
 mod rows;
@@ -62,6 +63,7 @@ pub(crate) fn results(
         increment::outcome(&mut lines, last);
         increment::loads(&mut lines, last, travels);
         fluid::fluids(&mut lines, last);
+        goals::goals(&mut lines, last);
         increment::quantities(&mut lines, last);
         if detail == Detail::Full {
             increment::solver(&mut lines, last);

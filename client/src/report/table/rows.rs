@@ -70,9 +70,10 @@ impl Columns {
     fn of(report: &v1::StepReport, travels: &Travels) -> Self {
         let mut forces: Vec<_> = report
             .obstacles
-            .iter()
-            .map(|(name, one)| {
-                let own = one.force_error.map_or(ALONE, |_| WITH_ERROR);
+            .keys()
+            .map(|name| {
+                let own = travels.force_error(name, report);
+                let own = own.map_or(ALONE, |_| WITH_ERROR);
                 Force::new(name, travels.has_travelled(name), own)
             })
             .collect();
@@ -149,7 +150,7 @@ impl Columns {
 fn force(report: &v1::StepReport, travels: &Travels, name: &str) -> Option<String> {
     let of_obstacle = report.obstacles.get(name).map(|obstacle| {
         let force = travels.force(name, obstacle);
-        with_error(force, obstacle.force_error)
+        with_error(force, travels.force_error(name, report))
     });
     let of_support = || {
         report
