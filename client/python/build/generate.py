@@ -144,7 +144,10 @@ def access(field, maps):
     value = f"self._message.{field.name}"
     kind = field.type_name.rsplit(".", 1)[-1]
     if kind in maps:
-        entry = maps[kind].field[1].type_name.rsplit(".", 1)[-1]
+        held = maps[kind].field[1]
+        if held.type != MESSAGE:
+            return f"Mapping[str, {SCALARS[held.type]}]", f"dict({value})"
+        entry = held.type_name.rsplit(".", 1)[-1]
         return f"Mapping[str, {entry}]", f"{{name: {entry}(one) for name, one in {value}.items()}}"
     if field.label == REPEATED:
         return repeated(field, kind, value)

@@ -18,6 +18,7 @@ from .errors import SignoriniError, SignoriniWarning
 from .mesh import Mesh, boundary
 from .results import Increment, Iteration, Result
 from .scene import (
+    Accuracy,
     ArrudaBoyce,
     BlatzKo,
     BodyForce,
@@ -29,6 +30,7 @@ from .scene import (
     Fluid,
     FluidPressure,
     Gent,
+    Gradient,
     HalfSpace,
     HeightField,
     Hyperfoam,
@@ -58,6 +60,7 @@ from .scene import (
 from .scenes import example
 
 __all__ = [
+    "Accuracy",
     "ArrudaBoyce",
     "BlatzKo",
     "BodyForce",
@@ -70,6 +73,7 @@ __all__ = [
     "Fluid",
     "FluidPressure",
     "Gent",
+    "Gradient",
     "HalfSpace",
     "HeightField",
     "Hyperfoam",

@@ -11,10 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ._encode import field_names
-from .errors import FieldError, NotConvergedError
+from .errors import FieldError, GoalError, NotConvergedError
 from .mesh import Mesh
 from .reports import (
     FluidResult,
+    GoalResult,
     IterationReport,
     ObstacleResult,
     Plan,
@@ -106,6 +107,24 @@ class Increment:
         return None if path is None else (path.points, path.pressures)
 
     @property
+    def goals(self) -> Mapping[str, GoalResult]:
+        """Goals by name, such as `force.lid.y`, with what was asked of them."""
+        return dict(sorted(self.report.goals.items()))
+
+    def goal(self, name: str) -> GoalResult:
+        """A goal; of one that has no answer why."""
+        found = self.goals.get(name)
+        if found is None:
+            refused = self.report.goals_refused
+            there = ", ".join(self.goals) or "none"
+            raise GoalError(f'no goal "{name}": {refused or f"there are {there}; name it in the scene"}')
+        return found
+
+    def gradient(self, goal: str) -> Mapping[str, float]:
+        """Derivatives of a goal by parameter, as the scene names them under `gradient`."""
+        return dict(sorted(self.goal(goal).derivatives.items()))
+
+    @property
     def converged(self) -> bool:
         """Whether all criteria are met."""
         return self.report.termination == "converged"
@@ -187,6 +206,19 @@ class Solution(Sequence[Increment]):
     def leak_path(self, fluid: str) -> tuple[Field, Field] | None:
         """The path on which a fluid leaks first at the end; see `Increment.leak_path`."""
         return self.last.leak_path(fluid)
+
+    @property
+    def goals(self) -> Mapping[str, GoalResult]:
+        """Goals at the end; see `Increment.goals`."""
+        return self.last.goals
+
+    def goal(self, name: str) -> GoalResult:
+        """A goal at the end; see `Increment.goal`."""
+        return self.last.goal(name)
+
+    def gradient(self, goal: str) -> Mapping[str, float]:
+        """Derivatives of a goal at the end; see `Increment.gradient`."""
+        return self.last.gradient(goal)
 
     @property
     def fields(self) -> Mapping[str, Field]:
@@ -290,6 +322,11 @@ def row(increment: Increment) -> dict[str, Any]:
         cells |= {f"fluid.{name}.{key}": getattr(fluid, key) for key in OF_FLUID}
         path = fluid.leak_path
         cells |= {f"fluid.{name}.{key}": getattr(path, key) if path else None for key in OF_LEAK}
+    for name, goal in increment.goals.items():
+        cells[f"goal.{name}"] = goal.value
+        if goal.bound is not None:
+            cells |= {f"goal.{name}.bound": goal.bound.total, f"goal.{name}.estimate": goal.bound.estimate}
+        cells |= {f"goal.{name} by {key}": value for key, value in sorted(goal.derivatives.items())}
     more = ("strain_energy", "volume_ratio", "min_jacobian", "max_penetration", "error_estimate")
     cells |= {name: getattr(report, name) for name in (*more, "krylov_iterations")}
     return {**cells, "seconds": report.seconds.total}

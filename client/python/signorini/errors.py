@@ -13,6 +13,7 @@ __all__ = [
     "DeadlineError",
     "FieldError",
     "GatewayError",
+    "GoalError",
     "MeshError",
     "NotConvergedError",
     "NotFoundError",
@@ -74,6 +75,14 @@ class ProtocolError(SignoriniError):
 
 class NotConvergedError(SignoriniError):
     """Raised by `Result.check()` only: not converging is a result, not an error."""
+
+
+class GoalError(SignoriniError, KeyError):
+    """A goal that a result has not: it was not asked for, or it has no answer."""
+
+    def __str__(self) -> str:
+        """The sentence; a `KeyError` would show it in quotes."""
+        return str(self.args[0]) if self.args else ""
 
 
 class FieldError(SignoriniError, KeyError):

@@ -26,7 +26,7 @@ Given = Values | npt.NDArray[Any] | str | Path
 
 #: Key of scene files for a field of these classes that has another name.
 KEYS = {"materials": "material", "supports": "support", "tractions": "traction", "pressures": "pressure"}
-KEYS |= {"obstacles": "obstacle", "steps": "step", "probes": "probe", "fluids": "fluid"}
+KEYS |= {"obstacles": "obstacle", "steps": "step", "probes": "probe", "fluids": "fluid", "gradients": "gradient"}
 
 
 class Part:
@@ -488,6 +488,21 @@ class Probe(Part):
 
 
 @dataclass(kw_only=True)
+class Gradient(Part):
+    """Goals such as `"force.lid.y"` and the parameters that each is differentiated by."""
+
+    of: Names
+    to: Names
+
+
+@dataclass(kw_only=True)
+class Accuracy(Part):
+    """Goals whose error is bounded."""
+
+    bound: Names | None = None
+
+
+@dataclass(kw_only=True)
 class Solver(Part):
     """Numerical settings; none is ever needed."""
 
@@ -531,6 +546,8 @@ class Scene(Part):
     manufactured: Mapping[str, str] | None = None
     output: Mapping[str, Any] | None = None
     fluids: Sequence[Fluid | Mapping[str, Any]] = ()
+    gradients: Sequence[Gradient | Mapping[str, Any]] = ()
+    accuracy: Accuracy | Mapping[str, Any] | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """The tables of a scene file; a `Mesh` stays as it is."""

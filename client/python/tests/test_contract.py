@@ -44,6 +44,8 @@ CLASSES = [
     (s.Fluid, scene_pb2.Fluid, {"source"}, {"from"}),
     (s.Obstacle, scene_pb2.Obstacle, set(), set()),
     (s.Probe, scene_pb2.Probe, set(), set()),
+    (s.Gradient, scene_pb2.Gradient, set(), set()),
+    (s.Accuracy, scene_pb2.Accuracy, set(), set()),
     (s.Solver, scene_pb2.SolverOptions, set(), {"verify", "tolerance_rule"}),
     (s.Step, step_pb2.LoadStep, set(), set()),
     (s.Move, step_pb2.ObstacleTarget, set(), {"name"}),
@@ -74,6 +76,7 @@ def filled(kind: Any) -> dict[str, Any]:
     values.pop("values", None)
     values |= dict.fromkeys({"inside", "facets"} & values.keys(), False)
     words = {"formulation": "mixed", "profile": "parabolic", "name": "n", "on": ["a", "b"], "surface": "smooth"}
+    words |= {"of": ["force.n.x"], "to": "load", "bound": "force.n.x"}
     words |= {"file": "tool.stl", "weld": 1e-4, "source": ["a"], "dry": "c", "film": "squeezed-out"}
     return kind(**{**values, **{key: word for key, word in words.items() if key in values}}).as_dict()
 
@@ -102,6 +105,8 @@ def scene() -> dict[str, Any]:
         "fluid": [filled(s.Fluid), {"name": "m", "on": "a", "from": "b", "threshold": "fluid"}],
         "obstacle": [{**obstacle, "shape": filled(kind)} for kind in shapes],
         "probe": [filled(s.Probe)],
+        "gradient": [filled(s.Gradient)],
+        "accuracy": filled(s.Accuracy),
         "solver": solver,
         "step": [step],
         "output": {"fields": _encode.field_names(), "every": 2},
@@ -180,6 +185,23 @@ def test_leak_paths_are_rows_of_points() -> None:
     assert (found[0].shape, found[1].tolist()) == ((2, 3), [1.0, 2.0])
     assert increment.leak_path("oil") is None
     assert increment.fluids["water"].tightness == "leaks"
+
+
+def test_goals_have_bounds_and_derivatives_or_say_why_not() -> None:
+    bound = report_pb2.GoalBound(total=0.5, mesh=0.5, estimate=-0.25)
+    goal = report_pb2.GoalResult(value=-2.0, derivatives={"load": 3.0, "material.a.c10": 1.5}, bound=bound)
+    report = reports.StepReport(report_pb2.StepReport(goals={"force.lid.y": goal}))
+    increment = s.Increment(sequence=1, event=1, last=True, report=report, fields={})
+    assert increment.gradient("force.lid.y") == {"load": 3.0, "material.a.c10": 1.5}
+    told = increment.goal("force.lid.y").bound
+    assert told is not None
+    assert (told.total, told.estimate) == (0.5, -0.25)
+    with pytest.raises(s.errors.GoalError, match=r"there are force\.lid\.y"):
+        increment.gradient("force.lid.x")
+    refused = reports.StepReport(report_pb2.StepReport(goals_refused="the scene has friction"))
+    increment = s.Increment(sequence=1, event=1, last=True, report=refused, fields={})
+    with pytest.raises(s.errors.GoalError, match="the scene has friction"):
+        increment.goal("force.lid.y")
 
 
 def test_pauses_double_up_to_two_seconds_until_the_patience_ends() -> None:
