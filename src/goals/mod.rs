@@ -12,7 +12,7 @@
 //!
 //! | file | part |
 //! |---|---|
-//! | [`error`], [`numbers`] | why a goal has no answer; numbers of a scene by their keys |
+//! | [`error`] | why a goal has no answer |
 //! | [`resolved`], [`own_contact`], [`transposed`] | J and dJ/dx |
 //! | [`answer`] | questions and their order |
 //! | [`dual`] | y, by the operators that the solver has |
@@ -27,7 +27,6 @@ mod bound;
 mod dual;
 mod error;
 mod gradient;
-pub(crate) mod numbers;
 mod own_contact;
 mod perturbed;
 mod resolved;

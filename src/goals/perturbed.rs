@@ -6,7 +6,6 @@
 //! the surfaces, of others nothing.
 
 use super::error::GoalError;
-use super::numbers::{constant, number};
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::model::interfaces::Interfaces;
@@ -16,6 +15,7 @@ use crate::model::state::State;
 use crate::plan::Plan;
 use crate::prepare::TaylorHoodData;
 use crate::scene::Parameter;
+use crate::scene::numbers::{constant, number};
 use crate::scene::validate::laws;
 
 /// Step of a material's constant, over its size.

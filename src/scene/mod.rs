@@ -11,6 +11,7 @@ mod fluid;
 mod goal;
 mod material;
 mod names;
+pub(crate) mod numbers;
 mod parameter;
 mod questions;
 mod solver;

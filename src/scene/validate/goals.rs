@@ -1,8 +1,7 @@
 //! Names that questions ask about, and scenes whose state depends on its way.
 
 use super::Faults;
-use crate::goals::numbers;
-use crate::scene::{Goal, GoalErrors, GoalKind, GoalQuestions, Parameter, Scene};
+use crate::scene::{Goal, GoalErrors, GoalKind, GoalQuestions, Parameter, Scene, numbers};
 
 /// Most goals, and most parameters, of one question.
 const MOST: usize = 1000;
