@@ -40,7 +40,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("results", 2860, 23),
     ("saddle", 1153, 5),
     ("scene", 5080, 26),
-    ("session", 2050, 11),
+    ("session", 2209, 11),
     ("space", 190, 0),
     ("sqp", 6650, 82),
     ("stability", 275, 5),
