@@ -36,7 +36,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("prepare", 1704, 9),
     ("proximity", 571, 15),
     ("refinement", 1330, 1),
-    ("report", 945, 3),
+    ("report", 993, 3),
     ("results", 2860, 23),
     ("saddle", 1153, 5),
     ("scene", 5080, 26),
