@@ -44,7 +44,7 @@ use crate::door::client_key::ClientKey;
 use crate::fault::FailureCause;
 use crate::results::iterations::Iterations;
 use crate::results::kept::Kept;
-use crate::results::readers::{Fresh, Reader};
+use crate::results::readers::{Begin, Fresh, Reader};
 use crate::uploads::store::Lease;
 use export::{Visit, Visits};
 use journal::Log;

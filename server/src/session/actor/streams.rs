@@ -6,7 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use signorini_proto::v1::{self as wire, solve_response::Message};
 use tokio::time::Instant;
 
-use super::{Actor, Fresh, Reader, Watcher, Writer, after};
+use super::{Actor, Begin, Fresh, Reader, Watcher, Writer, after};
 use crate::fault::Fault;
 use crate::results::outbox::{Limit, Outbox, StreamEnd, Wanted};
 use crate::session::handle::{Attachment, OnDisconnect, OpenRequest, Role};
@@ -41,7 +41,12 @@ impl Actor {
             Some(_) => 0,
             None => start,
         };
-        let reader = Reader::new(Arc::clone(&outbox), start, missed);
+        let begin = Begin {
+            event: start,
+            missed,
+            accepted: self.queue.last_accepted(),
+        };
+        let reader = Reader::new(Arc::clone(&outbox), begin);
         self.streams += 1;
         match role {
             Role::Writer {
