@@ -61,6 +61,7 @@ mod uploads;
 mod watch;
 
 pub use config::{Compared, Config, ConfigError, Flags, LogFormat, LogLevel, Settings};
+pub use convert::local::scene_and_steps;
 pub use data::control::{BackupError, backup, restore};
 pub use data::fsck::{Fsck, fsck};
 pub use door::access::{

@@ -497,9 +497,17 @@ class Gradient(Part):
 
 @dataclass(kw_only=True)
 class Accuracy(Part):
-    """Goals whose error is bounded."""
+    """Goals whose error is bounded; tolerances and limits are those of `signorini solve`, which refines meshes."""
 
     bound: Names | None = None
+    force: Mapping[str, Any] | None = None
+    moment: Mapping[str, Any] | None = None
+    reaction: Mapping[str, Any] | None = None
+    displacement: Mapping[str, Any] | None = None
+    max_unknowns: float | None = None
+    max_memory: float | None = None
+    max_time: float | None = None
+    max_rounds: int | None = None
 
 
 @dataclass(kw_only=True)

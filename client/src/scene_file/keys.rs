@@ -111,6 +111,18 @@ impl<'a> Keys<'a> {
         taken
     }
 
+    /// Whether a key is there and a number.
+    pub(crate) fn has_number(&self, key: &str) -> bool {
+        self.table
+            .get(key)
+            .is_some_and(|value| as_number(value).is_some())
+    }
+
+    /// Its keys, whatever they are, at most as many as a list may have elements.
+    pub(crate) fn names_of_keys(&self) -> Vec<String> {
+        self.table.keys().take(MOST_TABLES).cloned().collect()
+    }
+
     /// Reports a required key that is missing.
     pub(crate) fn require(&self, key: &str) {
         if !self.has(key) {

@@ -437,3 +437,33 @@ fn goals_and_parameters_are_a_name_or_a_list() {
         "gradient[0].to: required key is missing"
     );
 }
+
+#[test]
+fn tolerances_of_goals_are_read_with_and_without_axis() {
+    let text = format!(
+        "{SMALL}[accuracy]\nforce.lid = 0.01\nforce.\"left.wall\".x = 0.02\nreaction.base = {{ x = 1, y = 2 }}\nmax_unknowns = 2e6\n"
+    );
+    let accuracy = parse(&text, &[]).unwrap().scene.accuracy.unwrap();
+    let targets = accuracy
+        .targets
+        .iter()
+        .map(|one| (one.goal.as_str(), one.tolerance));
+    let targets: Vec<_> = targets.collect();
+    let expected = [
+        ("force.left.wall.x", 0.02),
+        ("force.lid", 0.01),
+        ("reaction.base.x", 1.0),
+        ("reaction.base.y", 2.0),
+    ];
+    assert_eq!(targets, expected);
+    assert_eq!(accuracy.max_unknowns, Some(2_000_000));
+    for (wrong, key) in [
+        ("force.lid = 0", "accuracy.force.lid"),
+        ("reaction.base = 0.1", "accuracy.reaction.base"),
+        ("force.lid.w = 0.1", "accuracy.force.lid.w"),
+        ("max_unknowns = 0", "accuracy.max_unknowns"),
+    ] {
+        let told = fault(&format!("[accuracy]\n{wrong}\n"));
+        assert!(told.starts_with(key), "{told}");
+    }
+}

@@ -350,6 +350,7 @@ mod tests {
             }],
             accuracy: Some(v1::Accuracy {
                 bound: texts(&["force.ball.z"]),
+                ..Default::default()
             }),
             ..Default::default()
         };

@@ -215,6 +215,7 @@ fn good_scene(mesh: &Mesh) -> wire::Scene {
         }],
         accuracy: Some(wire::Accuracy {
             bound: vec!["reaction.base.z".into()],
+            ..Default::default()
         }),
         output: Some(wire::Output {
             fields: vec![1, 2, 3],

@@ -7,6 +7,7 @@ pub(crate) mod field;
 #[cfg(test)]
 mod fuzz;
 mod grid;
+pub(crate) mod local;
 mod material;
 pub(crate) mod mesh;
 pub(crate) mod report;

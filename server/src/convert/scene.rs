@@ -42,6 +42,18 @@ pub(crate) struct SceneRequest {
 }
 
 impl SceneRequest {
+    /// The scene and its steps.
+    ///
+    /// # Errors
+    /// `SceneInvalid` with the methods that nobody knows.
+    pub(crate) fn into_parts(self) -> Result<(Scene, Vec<Step>), Fault> {
+        if self.misnamed.is_empty() {
+            Ok((self.scene, self.steps))
+        } else {
+            Err(Fault::SceneInvalid(self.misnamed))
+        }
+    }
+
     /// Plans on `mesh`, by the solver's own methods and those `compared`. Whatever is wrong is told at once, unknown methods after
     /// the faults that the library finds.
     ///
@@ -122,6 +134,7 @@ fn limits(message: &wire::Scene, faults: &mut Faults) {
     }
     if let Some(accuracy) = &message.accuracy {
         faults.at_most(&accuracy.bound, MAXIMUM_GOALS, "accuracy.bound");
+        faults.at_most(&accuracy.targets, MAXIMUM_GOALS, "accuracy");
     }
     faults.at_most(&message.steps, MAXIMUM_STEPS, "step");
 }

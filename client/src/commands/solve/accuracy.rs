@@ -32,6 +32,22 @@ pub(super) fn bound_forces(scene: &mut v1::Scene, dimension: usize) -> Result<()
     Ok(())
 }
 
+/// A goal with its axis: of a force without one that along the motion of the obstacle.
+pub(super) fn with_axis(scene: &v1::Scene, goal: &str) -> Result<String, Failure> {
+    let name = goal.strip_prefix("force.").unwrap_or_default();
+    if !scene.obstacles.iter().any(|one| one.name == name) {
+        return Ok(goal.to_owned());
+    }
+    let axis = axis_of_travel(scene, name).and_then(|axis| AXES.get(axis));
+    axis.map(|axis| format!("{goal}.{axis}")).ok_or_else(|| {
+        let message = format!(
+            "accuracy.{goal}: the steps move {name} along no single axis: name one, such as \
+             {goal}.y"
+        );
+        Failure::new(Exit::Invalid, message)
+    })
+}
+
 /// The axis along which all steps move or push an obstacle; none where there is no single one.
 fn axis_of_travel(scene: &v1::Scene, name: &str) -> Option<usize> {
     let targets = scene.steps.iter().flat_map(|step| &step.obstacles);
@@ -96,6 +112,7 @@ mod tests {
         ring.kind = v1::SceneKind::Axisymmetric.into();
         ring.accuracy = Some(v1::Accuracy {
             bound: vec!["force.lid.y".to_owned()],
+            ..Default::default()
         });
         assert_eq!(asked(ring, 2), ["force.lid.y", "force.wall.y"]);
     }

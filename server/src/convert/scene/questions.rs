@@ -19,7 +19,15 @@ pub(super) fn questions(
     for (index, gradient) in gradients.into_iter().enumerate() {
         all.push(of_gradient(&gradient, index, faults));
     }
-    let bounded = accuracy.map(|accuracy| accuracy.bound).unwrap_or_default();
+    let accuracy = accuracy.unwrap_or_default();
+    if let Some(target) = accuracy.targets.first() {
+        faults.later(
+            format!("accuracy.{}", target.goal),
+            "a session has one mesh: `signorini solve` refines it before it opens one; name the \
+             goal in accuracy.bound to have its error only",
+        );
+    }
+    let bounded = accuracy.bound;
     if !bounded.is_empty() {
         all.push(GoalQuestions {
             goals: read(&bounded, "accuracy.bound", faults),
@@ -82,6 +90,7 @@ mod tests {
         };
         let accuracy = wire::Accuracy {
             bound: texts(&["force.ball.y"]),
+            ..Default::default()
         };
         let read = questions(vec![gradient], Some(accuracy), &mut faults);
         assert_eq!(faults.outcome(), Ok(()));
@@ -126,5 +135,23 @@ mod tests {
                 .message
                 .contains("`force.ball` is not of the form KIND.NAME.AXIS")
         );
+    }
+
+    #[test]
+    fn tolerances_are_refused_with_what_reaches_them() {
+        let mut faults = Faults::default();
+        let accuracy = wire::Accuracy {
+            targets: vec![wire::AccuracyTarget {
+                goal: "force.ball.y".into(),
+                tolerance: 0.01,
+            }],
+            ..Default::default()
+        };
+        questions(Vec::new(), Some(accuracy), &mut faults);
+        let Err(Fault::Unsupported(one)) = faults.outcome() else {
+            unreachable!("a later key");
+        };
+        assert_eq!(one.path, "accuracy.force.ball.y");
+        assert!(one.message.contains("`signorini solve`"));
     }
 }
