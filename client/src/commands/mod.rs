@@ -19,6 +19,8 @@ mod fit;
 #[cfg(feature = "fleet")]
 mod fleet;
 mod init;
+#[cfg(feature = "embedded")]
+mod library_mesh;
 mod man;
 mod mesh;
 mod mesh_shape;

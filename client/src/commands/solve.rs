@@ -1,6 +1,8 @@
 //! `solve`: one scene from its file to its results.
 
 mod accuracy;
+#[cfg(feature = "embedded")]
+mod adapted;
 mod detach;
 mod run;
 
@@ -30,11 +32,37 @@ pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<E
     let patience = arguments.patience.map_or(PATIENCE, Duration::from_secs);
     let mut run = Run::new(record(&arguments, &input.scene.steps), patience);
     run.record.input(&input.mesh.warnings);
+    #[cfg(feature = "embedded")]
+    let is_known = Box::pin(adapted::refine(&mut input, &mut run.record)).await?;
+    #[cfg(not(feature = "embedded"))]
+    let is_known = Known::Enough;
     run.record.progress.phase("starting");
     let connection = Connection::open(&arguments.scene).await?;
     let outcome = solve(&connection, &mut run, input, arguments.out.as_deref()).await;
     connection.close().await;
-    run.record.finish(outcome, started)
+    run.record
+        .finish(outcome.map(|exit| is_known.exit(exit)), started)
+}
+
+/// Whether goals are known as well as the scene asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Known {
+    /// They are, or nothing is asked.
+    Enough,
+    /// A limit came first.
+    #[cfg(feature = "embedded")]
+    LessWell,
+}
+
+impl Known {
+    /// How a run ends that would end with `exit` otherwise.
+    fn exit(self, exit: Exit) -> Exit {
+        if self != Self::Enough && exit == Exit::Ok {
+            Exit::Inaccurate
+        } else {
+            exit
+        }
+    }
 }
 
 /// Adds to the scene what the arguments ask for.

@@ -1,10 +1,12 @@
 //! Result lines: one JSON object a line, the same content as the stream.
 //!
-//! `event` is `plan`, `iteration`, `step` or `summary`; `session` and `cancel`
+//! `event` is `plan`, `round`, `iteration`, `step` or `summary`; `session` and `cancel`
 //! answer single commands. Plans and reports are written as their messages are,
 //! key by key, so a new number of a report needs no word here. The form is kept in
 //! `client/result-lines.schema.json`; numbers are printed so that reading them
 //! gives the same double. What is not finite becomes null.
+
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -40,6 +42,54 @@ pub fn plan(plan: &v1::Plan, units: Option<&v1::UnitNames>) -> Value {
         keys.insert("units".to_owned(), named.unwrap_or_default());
     }
     line
+}
+
+/// A mesh of those that were refined until goals were known well enough.
+#[derive(Clone, Debug, Serialize)]
+pub struct Round {
+    /// Its number, from 1.
+    pub round: u32,
+    /// Cells of the mesh.
+    pub cells: u64,
+    /// Unknowns, those of contact included.
+    pub unknowns: u64,
+    /// Wall seconds, preparation included.
+    pub seconds: f64,
+    /// Wall seconds of its dual solutions.
+    pub dual_seconds: f64,
+    /// What is known of the goals, by their names.
+    pub goals: BTreeMap<String, RoundGoal>,
+    /// Of the last mesh the word why there is none after it.
+    pub end: Option<String>,
+    /// The same as a sentence.
+    pub why: Option<String>,
+}
+
+impl Round {
+    /// Whether the goals are known as well as was asked for.
+    pub fn is_reached(&self) -> bool {
+        self.end.as_deref() == Some("reached")
+    }
+}
+
+/// A goal on one mesh.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct RoundGoal {
+    /// Its value.
+    pub value: f64,
+    /// What the error is not above.
+    pub bound: f64,
+    /// The exact value less this one, estimated.
+    pub estimate: f64,
+    /// The part of flat facets in the bound.
+    pub geometry: f64,
+    /// Largest error over the absolute value that was asked for.
+    pub tolerance: f64,
+}
+
+/// The line of a mesh.
+pub fn round(round: &Round) -> Value {
+    line("round", round)
 }
 
 /// The line of an iteration.

@@ -135,6 +135,7 @@ fn every_exit_code_is_on_the_page_and_no_other() {
         Exit::Server,
         Exit::DiskFull,
         Exit::Restarted,
+        Exit::Inaccurate,
         Exit::Interrupted,
     ];
     let known: Vec<String> = codes.iter().map(|code| (*code as u8).to_string()).collect();

@@ -20,6 +20,7 @@ pub(crate) mod path_csv;
 pub(crate) mod record;
 pub(crate) mod results;
 pub(crate) mod results_csv;
+mod rounds;
 mod stem;
 pub(crate) mod table;
 #[cfg(feature = "embedded")]

@@ -10,6 +10,7 @@ use crate::report::page;
 use crate::report::path_csv::PathCsv;
 use crate::report::results::ResultFolder;
 use crate::report::results_csv::ResultsCsv;
+use crate::report::rounds;
 use crate::report::table::{self, Detail, Rows};
 use crate::report::travel::Travels;
 use crate::terminal::exit::{Exit, Failure};
@@ -34,6 +35,8 @@ pub(crate) struct Record {
     verbosity: Verbosity,
     /// What the reader doubts in scene and mesh, until the plan comes.
     of_input: Vec<String>,
+    /// Meshes on the way to the one that is solved, until the plan comes.
+    rounds: Vec<result_line::Round>,
 }
 
 /// The folder of `--out`.
@@ -60,6 +63,7 @@ impl Record {
             rows: (increments != 1 && verbosity != Verbosity::Quiet).then(Rows::default),
             verbosity,
             of_input: Vec::new(),
+            rounds: Vec::new(),
         }
     }
 
@@ -88,8 +92,28 @@ impl Record {
         self.warn(&plan.warnings);
         plan.warnings.splice(..0, self.of_input.drain(..));
         self.lines.write(&result_line::plan(&plan, units))?;
+        for round in self.rounds.drain(..) {
+            self.lines.write(&result_line::round(&round))?;
+        }
         self.plan = plan;
         Ok(())
+    }
+
+    /// Takes what a mesh gave on the way to the one that is solved.
+    pub(crate) fn round(&mut self, round: result_line::Round) {
+        self.remark(&rounds::told(&round));
+        self.rounds.push(round);
+    }
+
+    /// Takes why the last mesh is that: a warning where goals are not known as well as was asked.
+    pub(crate) fn refined(&mut self, end: &str, why: &str) {
+        if let Some(last) = self.rounds.last_mut() {
+            last.end = Some(end.to_owned());
+            last.why = Some(why.to_owned());
+            if !last.is_reached() {
+                self.warn(&[format!("accuracy: not reached: {why}")]);
+            }
+        }
     }
 
     /// Tells people about warnings.

@@ -36,6 +36,8 @@ pub(crate) enum Exit {
     DiskFull = 9,
     /// The server was restarted and has lost the session; results so far are kept.
     Restarted = 10,
+    /// A limit came before goals were known as well as the scene asks; results are kept.
+    Inaccurate = 11,
     /// Ctrl-C.
     Interrupted = 130,
 }

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod adapted;
 mod bench;
 mod cli;
 mod contact_patch;

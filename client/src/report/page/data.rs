@@ -38,6 +38,9 @@ pub(super) struct Page {
     /// Each doubt once, with the first increment that has it.
     warnings: Vec<String>,
     convergence: Vec<Point>,
+    /// Meshes on the way to this one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    rounds: Vec<Value>,
     picture: Option<Picture>,
     /// Of the last increment with fields, the longest first.
     paths: Vec<Path>,
@@ -143,6 +146,7 @@ pub(super) fn of(lines: &Lines, picture: Option<Picture>, paths: Paths) -> Page 
         convergence: convergence(&lines.iterations),
         paths: longest_first(paths, time),
         leaks: drawn.map(fluid::leaks).unwrap_or_default(),
+        rounds: lines.rounds.clone(),
         picture,
     }
 }

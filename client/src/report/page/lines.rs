@@ -12,6 +12,8 @@ pub(super) struct Lines {
     pub(super) plan: Value,
     pub(super) steps: Vec<Step>,
     pub(super) iterations: Vec<Iteration>,
+    /// Meshes on the way to the one that is solved, as they were written.
+    pub(super) rounds: Vec<Value>,
     /// As it was written; null for a run that was cut off.
     pub(super) summary: Value,
 }
@@ -261,6 +263,7 @@ impl Lines {
         match head.event.as_ref() {
             "plan" => self.plan = serde_json::from_str(line)?,
             "iteration" => self.iterations.push(serde_json::from_str(line)?),
+            "round" => self.rounds.push(serde_json::from_str(line)?),
             "step" => self.steps.push(serde_json::from_str(line)?),
             "summary" => self.summary = serde_json::from_str(line)?,
             _ => {}

@@ -128,7 +128,7 @@ function page(data) {
   UNITS = (data.plan && data.plan.units) || {};
   const last = steps[steps.length - 1];
   const drawn = data.picture && (steps.filter((row) => Math.abs(row.time - data.picture.time) < 1e-9).pop() || last);
-  return [head(data, last), cards(last), warnings(data), forces(steps, last), fluidCharts(steps, last), goals(last), pictures(data, drawn), convergence(data),
+  return [head(data, last), cards(last), warnings(data), forces(steps, last), fluidCharts(steps, last), goals(last), refinement(data), pictures(data, drawn), convergence(data),
     increments(data), intervals(last), reactions(last), ran(data, last),
     el("p", { class: "dim small" }, `Signorini ${data.version}. The same numbers are in results.csv and results.jsonl, the fields in the files for ParaView.`)].flat();
 }
