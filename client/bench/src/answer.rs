@@ -26,8 +26,10 @@ pub(crate) fn table(results: &Results, study: &Study) -> Table {
             Table::new(SAME_MESH).with(lines.map(|line| line.cost()))
         }
         Measure::SameError => {
-            let labels = study.choices.iter().map(|choice| choice.label);
-            let columns = SAME_ERROR.into_iter().chain(labels.map(Column::Number));
+            let mut labels: Vec<&str> = study.choices.iter().map(|choice| choice.label).collect();
+            labels.dedup();
+            let columns = labels.into_iter().map(Column::Number);
+            let columns = SAME_ERROR.into_iter().chain(columns);
             let lines = scopes.flat_map(|(scope, strands)| same_error(scope, &strands));
             Table::new(columns.collect::<Vec<_>>()).with(lines)
         }

@@ -202,6 +202,22 @@ impl Family {
         }
     }
 
+    /// Name of the first obstacle of its scene; empty without one.
+    pub(crate) fn obstacle(&self) -> String {
+        let scene = self.scene.parse::<toml::Table>().unwrap_or_default();
+        let name = || {
+            Some(
+                scene
+                    .get("obstacle")?
+                    .get(0)?
+                    .get("name")?
+                    .as_str()?
+                    .to_owned(),
+            )
+        };
+        name().unwrap_or_default()
+    }
+
     /// With changes of the scene file.
     pub(crate) const fn with(mut self, settings: &'static [&'static str]) -> Self {
         self.settings = settings;

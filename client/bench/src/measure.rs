@@ -23,6 +23,9 @@ impl std::fmt::Display for Outcome {
     }
 }
 
+/// Stands in keys of methods for the name of the obstacle of a family.
+const OBSTACLE: &str = "OBSTACLE";
+
 /// Phases of a solve, as result lines name them.
 pub(crate) const PHASES: [&str; 6] = [
     "prepare",
@@ -105,6 +108,7 @@ fn command(program: &Path, case: &Case, (scene, mesh): (&Path, &Path)) -> Comman
         .chain(settings)
         .chain(case.method.overrides())
     {
+        let key = key.replace(OBSTACLE, &case.family.obstacle());
         command.arg("--set").arg(key);
     }
     command.stdin(Stdio::null()).kill_on_drop(true);
@@ -122,10 +126,21 @@ fn read(output: &Output, case: &Case) -> Option<Run> {
         lines.find(|line| line.get("event").is_some_and(|name| name == event))
     };
     let (step, summary) = (last("step")?, last("summary")?);
+    let numbers = numbers(step, summary, case);
     Some(Run {
         outcome: outcome(step),
-        numbers: numbers(step, summary, case),
+        numbers: Numbers {
+            seconds: numbers.seconds + rounds(&lines),
+            ..numbers
+        },
     })
+}
+
+/// Seconds of the meshes on the way to the last one.
+fn rounds(lines: &[Value]) -> f64 {
+    let rounds = lines.iter().filter(|line| word(line, "event") == "round");
+    let seconds = rounds.filter_map(|line| line.get("seconds")?.as_f64());
+    seconds.sum()
 }
 
 fn count(line: &Value, path: &str) -> i64 {
@@ -215,6 +230,18 @@ mod tests {
         assert_eq!(run.numbers.peak_memory_bytes, Some(1000));
         assert_eq!(run.numbers.estimate, Some(0.01));
         assert_eq!(run.numbers.force_estimate, Some(0.05));
+        assert_eq!(case().family.obstacle(), "floor");
+    }
+
+    #[test]
+    fn meshes_on_the_way_count_in_the_seconds() {
+        let lines = r#"{"event":"round","seconds":0.5}
+{"event":"round","seconds":1.5}
+{"event":"step","termination":"converged"}
+{"event":"summary","totals":{"seconds":{"total":1.0}}}
+"#;
+        let run = read(&output(0, lines, ""), &case()).unwrap();
+        assert!((run.numbers.seconds - 3.0).abs() < 1e-12);
     }
 
     #[test]

@@ -228,11 +228,15 @@ impl Wishes {
                 levels.retain(|level| self.levels.contains(level));
             }
             let runs = study.choices.iter();
-            let runs = runs.filter(|choice| choice.origin == Origin::Run);
-            let methods = runs.filter_map(|choice| choice.method());
-            for method in methods {
+            let runs = runs.filter(|choice| choice.origin != Origin::Recorded);
+            let methods = runs.filter_map(|choice| Some((choice.method()?, choice.origin)));
+            for (method, origin) in methods {
+                let meshes = match origin {
+                    Origin::Refined => 1,
+                    Origin::Run | Origin::Recorded => levels.len(),
+                };
                 for &tolerance in tolerances_of(study, &method) {
-                    for (rank, &level) in levels.iter().enumerate() {
+                    for (rank, &level) in levels.iter().enumerate().take(meshes) {
                         let case = Case {
                             family,
                             level,

@@ -37,33 +37,48 @@ impl<'a> Strand<'a> {
 /// The strands of a scope, one a choice.
 pub(crate) fn strands<'a>(results: &'a Results, study: &Study, scope: &Scope) -> Vec<Strand<'a>> {
     let choices = study.choices.iter();
-    choices
-        .filter_map(|choice| {
-            let method = choice.method()?;
-            let source = match choice.origin {
-                Origin::Run => &results.rows,
-                Origin::Recorded => &results.recorded,
-            };
-            let fits = |row: &&Row| {
-                let case = &row.case;
-                let tolerance = |t: &f64| t.total_cmp(&case.tolerance).is_eq();
-                case.family.name == scope.family
-                    && case.method == method
-                    && scope.full.contains(&case.level.number)
-                    && study.tolerances.iter().any(tolerance)
-            };
-            let mut rows: Vec<&Row> = source.iter().filter(fits).collect();
-            rows.sort_by(|a, b| {
-                let levels = a.case.level.cmp(&b.case.level);
-                levels.then(b.case.tolerance.total_cmp(&a.case.tolerance))
-            });
-            // Once refused, a method is not tried again on other families.
-            let refused = |row: &Row| row.case.method == method && row.outcome.refuses_the_method();
-            Some(Strand {
-                label: choice.label,
-                rows,
-                is_refused: source.iter().any(refused),
-            })
+    let each = choices.filter_map(|choice| {
+        let method = choice.method()?;
+        let source = match choice.origin {
+            Origin::Run | Origin::Refined => &results.rows,
+            Origin::Recorded => &results.recorded,
+        };
+        let fits = |row: &&Row| {
+            let case = &row.case;
+            let tolerance = |t: &f64| t.total_cmp(&case.tolerance).is_eq();
+            case.family.name == scope.family
+                && case.method == method
+                && scope.full.contains(&case.level.number)
+                && study.tolerances.iter().any(tolerance)
+        };
+        let mut rows: Vec<&Row> = source.iter().filter(fits).collect();
+        rows.sort_by(|a, b| {
+            let levels = a.case.level.cmp(&b.case.level);
+            levels.then(b.case.tolerance.total_cmp(&a.case.tolerance))
+        });
+        // Once refused, a method is not tried again on other families.
+        let refused = |row: &Row| row.case.method == method && row.outcome.refuses_the_method();
+        Some(Strand {
+            label: choice.label,
+            rows,
+            is_refused: source.iter().any(refused),
         })
-        .collect()
+    });
+    joined(each)
+}
+
+/// Strands of the same label as one, by unknowns: several accuracies are one curve.
+fn joined<'a>(each: impl Iterator<Item = Strand<'a>>) -> Vec<Strand<'a>> {
+    let mut all: Vec<Strand<'a>> = Vec::new();
+    for mut strand in each {
+        match all.last_mut().filter(|last| last.label == strand.label) {
+            Some(last) => {
+                last.rows.append(&mut strand.rows);
+                last.rows
+                    .sort_by_key(|row| row.numbers.unknowns.iter().sum::<i64>());
+            }
+            None => all.push(strand),
+        }
+    }
+    all
 }

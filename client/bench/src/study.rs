@@ -27,6 +27,9 @@ pub(crate) enum Origin {
     Run,
     /// A table: see [`crate::recorded`].
     Recorded,
+    /// The program, on the coarsest mesh only, which it refines itself. Choices of the same label
+    /// are one curve.
+    Refined,
 }
 
 impl Choice {
@@ -122,6 +125,14 @@ const fn recorded(label: &'static str, keys: &'static str) -> Choice {
         label,
         keys,
         origin: Origin::Recorded,
+    }
+}
+
+const fn refined(label: &'static str, keys: &'static str) -> Choice {
+    Choice {
+        label,
+        keys,
+        origin: Origin::Refined,
     }
 }
 
@@ -367,6 +378,50 @@ pub(crate) const STUDIES: &[Study] = &[
         ],
         tolerances: TIGHT,
         measure: Measure::SameMesh,
+    },
+    Study {
+        name: "accuracy",
+        question: "A finer mesh everywhere, or where the force asks for it?",
+        about: "The meshes of the families, and meshes that `[accuracy]` refines from the coarsest one until the force is known to 10, 5, 2, 1, 0.5 and 0.2 per cent; their seconds are those of all rounds with the last mesh. Flat facets of a ball stay flat when they are halved, so that arcs are fitted over them. Gmsh meshes are finer under the contact already; the bonded edges of mr-block turn inside out on small cells, which ends its curve.",
+        scopes: &[
+            scope("hertz-plane", &[1, 2, 3, 4], &[1, 2, 3]),
+            scope("hertz-sphere", &[1, 2, 3, 4], &[1, 2, 3]),
+            scope("mr-sphere", &[1, 2, 3], &[1, 2]),
+            scope("mr-block", &[6, 10, 16], &[6, 10]),
+        ],
+        choices: &[
+            choice("meshes of the family", "auto"),
+            choice(
+                "meshes of the family, fitted arcs",
+                "obstacle.0.surface=smooth",
+            ),
+            refined(
+                "refined by the force",
+                "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.1",
+            ),
+            refined(
+                "refined by the force",
+                "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.05",
+            ),
+            refined(
+                "refined by the force",
+                "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.02",
+            ),
+            refined(
+                "refined by the force",
+                "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.01",
+            ),
+            refined(
+                "refined by the force",
+                "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.005",
+            ),
+            refined(
+                "refined by the force",
+                "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.002",
+            ),
+        ],
+        tolerances: TIGHT,
+        measure: Measure::SameError,
     },
     Study {
         name: "rule",
