@@ -22,6 +22,8 @@
 //! | [`chain`] | surfaces: neighbours, corners, ends |
 //! | [`tree`] | faces near a face |
 //! | [`pair`] | gaps of two surfaces |
+//! | [`surface`] | gaps, coupling and curvature of a surface of multipliers |
+//! | [`probing`] | what is told of points |
 //!
 //! References: M. Puso and T. Laursen, *A mortar segment-to-segment contact method for large
 //! deformation solid mechanics* (2004); A. Popp, M. Gitterle, M. Gee and W. Wall, *A dual mortar
@@ -32,10 +34,13 @@ pub mod choice;
 pub mod number;
 pub mod pair;
 pub mod piece;
+pub mod probing;
+pub mod surface;
 pub mod tree;
 
 pub use chain::{Chain, ChainFace};
 pub use pair::{Meeting, Pair, Part, Placed, Probe};
+pub use surface::{PairForce, PairSurface};
 
 #[cfg(test)]
 mod tests;

@@ -236,6 +236,18 @@ impl Placed<'_> {
         self.rule.iter().filter_map(probe).collect()
     }
 
+    /// A face of the first surface where it is.
+    pub(super) fn face(&self, index: usize) -> Face<f64> {
+        let own = &self.pair.carrier.faces[index];
+        let beside = own.beside.map(|one| one.is_some());
+        Face::new(&places_of(own, None, self.place), beside)
+    }
+
+    /// Where the partner of a meeting is.
+    pub(super) fn other_places(&self, meeting: &Meeting) -> [[f64; 2]; 3] {
+        self.pair.other.faces[meeting.other].places(self.place)
+    }
+
     fn parts<T: Send>(&self, gaps: &(dyn Fn(&Meeting) -> [T; 3] + Sync)) -> Vec<Part<T>> {
         parallel::map(self.meetings.len(), FEW, &|k| {
             let meeting = &self.meetings[k];

@@ -57,7 +57,9 @@ const ROOMS: &[(&str, &[&str])] = &[
     ),
     (
         "pairs",
-        &["parallel", "contact", "space", "mesh", "element"],
+        &[
+            "parallel", "contact", "space", "obstacle", "linalg", "mesh", "element",
+        ],
     ),
     (
         "proximity",
