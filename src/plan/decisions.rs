@@ -95,7 +95,9 @@ fn known_vertices(
     mesh: &Mesh,
 ) -> Option<Vec<u32>> {
     let most = sizes.vertices_to_know()?;
-    let guided = surfaces::vertices_of(mesh, problem.patches());
+    let pairs = problem.pairs.iter();
+    let pairs = pairs.flat_map(|pair| [&pair.carrier, &pair.other]);
+    let guided = surfaces::vertices_of(mesh, problem.patches().chain(pairs));
     let body = ScaledMesh {
         mesh,
         units: &problem.units,

@@ -88,6 +88,12 @@ impl Plan {
             let facets = obstacle.facets.iter();
             facets.for_each(|facet| hash.update(facet.to_le_bytes()));
         }
+        let pairs = self.problem.pairs.iter();
+        for side in pairs.flat_map(|pair| [&pair.carrier, &pair.other]) {
+            hash.update(b"pair");
+            side.iter()
+                .for_each(|facet| hash.update(facet.to_le_bytes()));
+        }
         let supports = self.problem.resolved.supports.iter();
         for patch in supports.flat_map(|support| &support.patches) {
             hash.update(b"guided");

@@ -23,6 +23,7 @@ mod key;
 mod near;
 mod overlap;
 pub(crate) mod p1;
+pub(crate) mod pairs;
 mod poses;
 pub(crate) mod problem;
 mod reach;
@@ -231,8 +232,14 @@ impl Notes {
         let given = &problem.scene.obstacles[..];
         let of_tools = tools::doubts((given, &obstacles[..]), steps, body);
         let warnings = mesh.warnings().iter().cloned().chain(own);
+        let mut tools =
+            tools::entries(obstacles, &problem.contact_layouts, (steps, &problem.units));
+        let layouts = problem.pair_layouts.iter();
+        let multipliers = layouts.map(|layout| layout.multipliers.len());
+        let contacts = &problem.scene.contacts;
+        tools.extend(pairs::entries(&problem.pairs, contacts, multipliers));
         Self {
-            tools: tools::entries(obstacles, &problem.contact_layouts, (steps, &problem.units)),
+            tools,
             warnings: warnings.chain(doubts).chain(of_tools).collect(),
         }
     }

@@ -2,6 +2,7 @@
 
 use super::held::held_unknowns;
 use super::held_nodes::{HeldByPlanes, held_nodes};
+use super::pairs::{self, PlannedPair};
 use super::settings::Settings;
 use super::surfaces::{self, ContactLayout, Surfaces};
 use super::units::ScaledMesh;
@@ -47,6 +48,10 @@ pub(crate) struct Problem {
     pub(crate) contact_space: ContactSpace,
     /// Functions and multipliers of each obstacle's surface.
     pub(crate) contact_layouts: Vec<ContactLayout>,
+    /// Contacts between bodies, in the order of the scene.
+    pub(crate) pairs: Vec<PlannedPair>,
+    /// Functions and multipliers of the carrier of each of them, after those of obstacles.
+    pub(crate) pair_layouts: Vec<ContactLayout>,
     /// What each fluid can reach.
     pub(crate) fluid_surfaces: Vec<FluidSurface>,
     /// Tractions of friction, after the pressures of all obstacles.
@@ -129,7 +134,8 @@ fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> (Problem, Vec<u32>) {
         space: &space,
         held: &held,
     };
-    let surfaces = Surfaces::of(body, &obstacles, &resolved, contact_space);
+    let pairs = pairs::choose(&resolved, mesh);
+    let surfaces = Surfaces::of(body, (&obstacles, &pairs), &resolved, contact_space);
     let tangential_multipliers =
         friction::tangential_multipliers(&obstacles, &surfaces.layouts, units.dimension);
     let multipliers = surfaces.contacts + tangential_multipliers + surfaces.guided;
@@ -148,6 +154,8 @@ fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> (Problem, Vec<u32>) {
         held,
         contact_space,
         contact_layouts: surfaces.layouts,
+        pairs,
+        pair_layouts: surfaces.pair_layouts,
         fluid_surfaces: fluid_surfaces(&resolved, mesh, &space),
         tangential_multipliers,
         guided_multipliers: surfaces.guided,
@@ -193,11 +201,15 @@ fn usable_units(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Result<Units
 }
 
 impl Problem {
-    /// Facets of the surfaces that carry multipliers, in their order: those that may
-    /// touch each obstacle, then the smooth patches of supports along their normal.
+    /// Facets of the surfaces that multipliers act on: those that may touch each obstacle, both
+    /// sides of each contact between bodies, then the smooth patches of supports along their normal.
     pub(crate) fn surfaces(&self) -> impl Iterator<Item = &[u32]> {
         let candidates = self.obstacles.iter().map(|obstacle| &obstacle.facets[..]);
-        candidates.chain(self.patches().map(|patch| &patch[..]))
+        let pairs = self.pairs.iter();
+        let pairs = pairs.flat_map(|pair| [&pair.carrier[..], &pair.other[..]]);
+        candidates
+            .chain(pairs)
+            .chain(self.patches().map(|patch| &patch[..]))
     }
 
     /// Smooth patches of supports along their normal, their facets.
@@ -210,10 +222,12 @@ impl Problem {
     pub(crate) fn has_quadratic_multipliers(&self) -> bool {
         let contacts = self.normal_multipliers();
         let is_quadratic = self.contact_space == ContactSpace::Quadratic;
-        self.guided_multipliers > 0 || (is_quadratic && contacts > 0)
+        let is_other = self.guided_multipliers > 0 || !self.pairs.is_empty();
+        is_other || (is_quadratic && contacts > 0)
     }
 
-    /// Number of contact pressures of all obstacles, which come first among the multipliers.
+    /// Number of contact pressures of all obstacles and contacts, which come first among the
+    /// multipliers.
     pub(crate) fn normal_multipliers(&self) -> usize {
         let others = self.tangential_multipliers + self.guided_multipliers;
         self.unknowns.contact as usize - others

@@ -208,6 +208,7 @@ fn hindrance(plan: &Plan) -> Option<String> {
         (plan.problem.resolved.is_rubber(), "the body is not linear"),
         (plan.has_friction(), "friction depends on the way"),
         (plan.is_floating(), "supports leave rigid modes"),
+        (!plan.problem.pairs.is_empty(), "bodies touch each other"),
         (
             !plan.problem.resolved.pressures.is_empty(),
             "pressures follow the body",

@@ -1,5 +1,5 @@
-//! The surfaces that carry multipliers: candidate surfaces of obstacles, then smooth
-//! patches of supports along their normal.
+//! The surfaces that carry multipliers: candidate surfaces of obstacles, the carriers of contacts
+//! between bodies, then smooth patches of supports along their normal.
 //!
 //! ```text
 //! linear:     hats at the vertices, one set of multipliers an obstacle
@@ -7,12 +7,15 @@
 //!             parts of one smooth surface share the multipliers of their common nodes
 //! ```
 //!
+//! Contacts between bodies have quadratic functions.
+//!
 //! Without sharing the functions of two halves of a flat surface outnumber the motions of
 //! their nodes. Obstacles with a common facet keep multipliers of their own: each of them
 //! holds the facet. Cost: one sort of the sides of each surface.
 
 use std::collections::HashSet;
 
+use super::pairs::PlannedPair;
 use crate::contact::layout::Layout;
 use crate::mesh::Mesh;
 use crate::scene::ContactSpace;
@@ -35,7 +38,9 @@ pub(super) struct Surfaces {
     pub(super) vertices: Vec<u32>,
     /// Layout of each obstacle's surface.
     pub(super) layouts: Vec<ContactLayout>,
-    /// Multipliers of obstacles.
+    /// Layout of the carrier of each contact between bodies.
+    pub(super) pair_layouts: Vec<ContactLayout>,
+    /// Multipliers of obstacles and of contacts between bodies.
     pub(super) contacts: usize,
     /// Multipliers of supports along their normal: one a node of each patch.
     pub(super) guided: usize,
@@ -56,21 +61,36 @@ impl Surfaces {
     /// Those of `obstacles` and of the supports of `resolved`.
     pub(super) fn of(
         body: Body<'_>,
-        obstacles: &[ResolvedObstacle],
+        (obstacles, pairs): (&[ResolvedObstacle], &[PlannedPair]),
         resolved: &Resolved,
         space: ContactSpace,
     ) -> Self {
         let candidates = obstacles.iter().map(|obstacle| &obstacle.facets);
+        let sides = pairs.iter().flat_map(|pair| [&pair.carrier, &pair.other]);
         let supports = resolved.supports.iter();
         let patches = supports.flat_map(|support| &support.patches);
         let layouts = layouts(body, obstacles, space);
         let all = layouts.iter().flat_map(|layout| &layout.multipliers);
+        let mut contacts = all.max().map_or(0, |&last| last as usize + 1);
+        let of_pair = |pair: &PlannedPair| of_pair(body, &pair.carrier, &mut contacts);
         Self {
-            vertices: vertices_of(body.mesh, candidates.chain(patches.clone())),
-            contacts: all.max().map_or(0, |&last| last as usize + 1),
+            pair_layouts: pairs.iter().map(of_pair).collect(),
+            vertices: vertices_of(body.mesh, candidates.chain(sides).chain(patches.clone())),
+            contacts,
             layouts,
             guided: patches.map(|patch| nodes_of(body, patch)).sum(),
         }
+    }
+}
+
+/// The layout of the carrier of a contact between bodies, its multipliers from `next` on.
+fn of_pair(body: Body<'_>, carrier: &[u32], next: &mut usize) -> ContactLayout {
+    let layout = layout(body, carrier, ContactSpace::Quadratic);
+    let first = *next as u32;
+    *next += layout.shares.multipliers();
+    ContactLayout {
+        layout,
+        multipliers: (first..*next as u32).collect(),
     }
 }
 

@@ -65,11 +65,12 @@ struct Between<'a> {
     faces: HashMap<(Met, u32), (usize, usize)>,
 }
 
-/// What a surface meets: number of the obstacle, or of the support.
+/// What a surface meets: number of the obstacle, of the support, or of the contact between bodies.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Met {
     Obstacle(usize),
     Support(usize),
+    Pair(usize),
 }
 
 impl Met {
@@ -78,6 +79,7 @@ impl Met {
         match interface.role {
             Role::Contact(_) => Self::Obstacle(number),
             Role::Support(support) => Self::Support(support),
+            Role::Pair(_) => Self::Pair(number),
         }
     }
 }

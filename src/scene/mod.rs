@@ -6,6 +6,7 @@
 //! three components in two dimensions too, the third being zero.
 
 mod choices;
+mod contact_pair;
 mod error;
 mod fluid;
 mod goal;
@@ -25,6 +26,7 @@ pub use choices::{
     MetricKind, Named, OnInstability, P1Solver, ReportScope, ResponseMethod, SaddleMethod,
     StabilityCheck, UnknownName,
 };
+pub use contact_pair::ContactPair;
 pub use error::{SceneError, Violation};
 pub use fluid::{Film, Fluid, FluidLoad, FluidTarget, FluidThreshold};
 pub use goal::{Goal, GoalKind, Malformed};
@@ -240,6 +242,8 @@ pub struct Scene {
     pub body_force_values: Option<Values>,
     /// Rigid bodies that the body may touch.
     pub obstacles: Vec<Obstacle>,
+    /// Surfaces of different bodies of the mesh that may touch each other.
+    pub contacts: Vec<ContactPair>,
     /// Name of an analytic field whose loads replace the others.
     pub manufactured: Option<String>,
     /// Points whose values each step reports.

@@ -24,6 +24,11 @@ pub enum NotCarried {
     /// Values by nodes, which the refined mesh has more of.
     #[error("values at nodes cannot be refined: give them anew for the nodes of the refined mesh")]
     ValuesAtNodes,
+    /// Contact between bodies, whose carriers may change with the mesh.
+    #[error(
+        "a state with contact between bodies is not carried to a refined mesh yet: solve on the refined mesh from the start"
+    )]
+    ContactPairs,
 }
 
 impl Session {
@@ -70,6 +75,9 @@ impl Session {
             && own.resolved.fluids.len() == other.resolved.fluids.len();
         if !is_same {
             return Err(NotCarried::Foreign("the scene"));
+        }
+        if !own.pairs.is_empty() || !other.pairs.is_empty() {
+            return Err(NotCarried::ContactPairs);
         }
         if self.state.drive.given != Given::default() || self.target.given != Given::default() {
             return Err(NotCarried::ValuesAtNodes);

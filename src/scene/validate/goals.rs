@@ -62,6 +62,10 @@ fn check_one(
         );
         faults.unsupported(path, message);
     }
+    if !scene.contacts.is_empty() {
+        let message = "derivatives where bodies touch each other are not solved yet";
+        faults.unsupported(path, message);
+    }
 }
 
 /// What makes a state depend on its way; none where nothing does.

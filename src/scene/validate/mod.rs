@@ -11,6 +11,7 @@ mod goals;
 mod materials;
 mod names;
 mod obstacles;
+mod pairs;
 mod parabola;
 mod planes;
 mod profiles;
@@ -33,7 +34,7 @@ pub(crate) use parabola::Parabola;
 pub(crate) use planes::rotates;
 pub(crate) use resolved::{
     HeldPlane, ObliquePlane, Placed, Resolved, ResolvedFluid, ResolvedMaterial, ResolvedObstacle,
-    ResolvedPressure, ResolvedProbe, ResolvedSupport, ResolvedTraction,
+    ResolvedPair, ResolvedPressure, ResolvedProbe, ResolvedSupport, ResolvedTraction,
 };
 pub(crate) use rigid_modes::parts;
 pub(crate) use spread::{Spread, Table};
@@ -157,11 +158,8 @@ pub(crate) fn resolve<'a>(
     steps: &[Step],
     mesh: &Mesh,
 ) -> Result<(Resolved, Vec<Placed<'a, Obstacle>>), SceneError> {
+    within_extent(scene, mesh)?;
     let mut faults = Faults::default();
-    extent::check(scene, mesh, &mut faults);
-    if !faults.violations.is_empty() {
-        return Err(SceneError::Invalid(faults.violations));
-    }
     let kind = kind(scene, mesh, &mut faults);
     let scale = scene.mesh_scale.unwrap_or(1.0);
     faults.above_zero("mesh_scale", scale);
@@ -178,6 +176,7 @@ pub(crate) fn resolve<'a>(
     let pressures = surfaces::pressures(scene, mesh, &mut faults);
     let fluids = fluids::resolve(scene, mesh, &mut faults);
     let obstacles = obstacles::resolve(scene, mesh, &mut faults);
+    let pairs = pairs::resolve(scene, (kind, mesh), &mut faults);
     obstacles::refuse_held_faces(mesh, &supports, &obstacles, &mut faults);
     let manufactured = bodies::manufactured(scene, mesh, &mut faults);
     bodies::body_force(scene, mesh, &mut faults);
@@ -204,6 +203,7 @@ pub(crate) fn resolve<'a>(
         tractions,
         pressures,
         fluids,
+        pairs,
         body_force: scene.body_force,
         body_force_values,
         probes,
@@ -211,6 +211,13 @@ pub(crate) fn resolve<'a>(
         free_modes,
     };
     Ok((resolved, obstacles))
+}
+
+/// Whether the scene names no more than is worth a look.
+fn within_extent(scene: &Scene, mesh: &Mesh) -> Result<(), SceneError> {
+    let mut faults = Faults::default();
+    extent::check(scene, mesh, &mut faults);
+    faults.result()
 }
 
 /// Vertices nearer to the axis than this part of the body lie on it.

@@ -173,6 +173,17 @@ pub(crate) struct ResolvedObstacle {
     pub(crate) is_frictional: bool,
 }
 
+/// Two surfaces that may touch.
+#[derive(Clone, Debug)]
+pub(crate) struct ResolvedPair {
+    /// Unique among contacts, obstacles and supports.
+    pub(crate) name: String,
+    /// Facets of the two groups, ascending, all on the surface of the mesh.
+    pub(crate) sides: [Vec<u32>; 2],
+    /// Which side the scene has carry the pressure; none where it leaves that open.
+    pub(crate) named: Option<usize>,
+}
+
 /// A point that each result reports.
 #[derive(Clone, Debug)]
 pub(crate) struct ResolvedProbe {
@@ -195,6 +206,8 @@ pub(crate) struct Resolved {
     pub(crate) tractions: Vec<ResolvedTraction>,
     pub(crate) pressures: Vec<ResolvedPressure>,
     pub(crate) fluids: Vec<ResolvedFluid>,
+    /// Surfaces of different bodies that may touch, in the order of the scene.
+    pub(crate) pairs: Vec<ResolvedPair>,
     /// The caller's force per undeformed volume `[3]`.
     pub(crate) body_force: [f64; 3],
     /// The same of each node or cell, on top.

@@ -50,18 +50,18 @@ pub(crate) fn check(
     }
     let free = free_modes(moments, names);
     let unguided = free_modes(guided, names);
-    if !unguided.is_empty() && scene.obstacles.is_empty() {
+    let has_contact = !scene.obstacles.is_empty() || !scene.contacts.is_empty();
+    if !unguided.is_empty() && !has_contact {
         let list = unguided.join(", ");
         faults.add("support", format!("nothing holds the body against {list}"));
     }
-    let has_multipliers =
-        !scene.obstacles.is_empty() || supports.iter().any(|s| !s.patches.is_empty());
+    let has_multipliers = has_contact || supports.iter().any(|s| !s.patches.is_empty());
     if !free.is_empty() && has_multipliers && count > 1 {
         let list = free.join(", ");
         faults.unsupported(
             "support",
             format!(
-                "several bodies of which some are free ({list}), and ties between bodies are not solved yet: mesh them with common nodes, or hold each by supports of its own"
+                "several bodies of which some are free ({list}): bodies that contact alone holds beside others, and ties between bodies, are not solved yet; mesh them with common nodes, or hold each by supports of its own"
             ),
         );
     }

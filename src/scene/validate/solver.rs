@@ -55,7 +55,7 @@ fn ranges(scene: &Scene, faults: &mut Faults) {
 /// Methods that exist but make no sense together.
 fn combinations(scene: &Scene, formulated: Formulated, faults: &mut Faults) {
     let solver = &scene.solver;
-    let has_contact = !scene.obstacles.is_empty();
+    let has_contact = !scene.obstacles.is_empty() || !scene.contacts.is_empty();
     let mut refuse = |key: &str, name: &str, reason: &str| {
         faults.add(format!("solver.{key}"), format!("`{name}` {reason}"));
     };

@@ -11,9 +11,9 @@ use crate::obstacle::grid::Lattice;
 use crate::obstacle::surface::{Interpolation, SurfaceShape};
 
 use crate::scene::{
-    Fluid, FluidThreshold, Formulation, Material, MaterialModel, Modulus, Obstacle, Pressure,
-    Probe, Profile, RubberModel, Scene, SceneKind, Shape, SolverOptions, Support, SupportLoad,
-    SurfaceGeometry, ToleranceRule, Traction, Values,
+    ContactPair, Fluid, FluidThreshold, Formulation, Material, MaterialModel, Modulus, Obstacle,
+    Pressure, Probe, Profile, RubberModel, Scene, SceneKind, Shape, SolverOptions, Support,
+    SupportLoad, SurfaceGeometry, ToleranceRule, Traction, Values,
 };
 
 /// The digest of `scene`.
@@ -69,6 +69,7 @@ impl Canonical {
             body_force,
             body_force_values,
             obstacles,
+            contacts,
             manufactured,
             probes,
             // Changes no state.
@@ -91,6 +92,21 @@ impl Canonical {
         if !fluids.is_empty() {
             self.all(fluids, Self::fluid);
         }
+        if !contacts.is_empty() {
+            self.text("contact");
+            self.all(contacts, Self::contact);
+        }
+    }
+
+    fn contact(&mut self, contact: &ContactPair) {
+        let ContactPair {
+            name,
+            between,
+            carries,
+        } = contact;
+        self.text(name);
+        self.texts(between);
+        self.text(carries.as_deref().unwrap_or_default());
     }
 
     fn fluid(&mut self, fluid: &Fluid) {

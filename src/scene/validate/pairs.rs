@@ -1,0 +1,124 @@
+//! Contact between soft bodies: names, surfaces, and what is not solved beside it.
+//!
+//! Bodies are the connected parts of the mesh; the two surfaces of a contact lie on different ones.
+
+use std::collections::BTreeSet;
+
+use super::{Faults, ResolvedPair, names, parts};
+use crate::mesh::Mesh;
+use crate::scene::{ContactPair, MaterialModel, Scene, SceneKind};
+
+/// Contacts of a scene at most: each costs a search over its surfaces.
+const MOST_CONTACTS: usize = 256;
+
+/// The contacts on their facets.
+pub(crate) fn resolve(
+    scene: &Scene,
+    (kind, mesh): (SceneKind, &Mesh),
+    faults: &mut Faults,
+) -> Vec<ResolvedPair> {
+    if scene.contacts.is_empty() {
+        return Vec::new();
+    }
+    check_names(scene, faults);
+    refuse(scene, kind, faults);
+    let of_vertex = parts(mesh);
+    let contacts = scene.contacts.iter().take(MOST_CONTACTS);
+    contacts
+        .map(|contact| one(contact, (mesh, &of_vertex), faults))
+        .collect()
+}
+
+/// Names stand for one thing each: results and messages go by them.
+fn check_names(scene: &Scene, faults: &mut Faults) {
+    let all = scene.contacts.iter().map(|one| one.name.as_str());
+    names::check_unique(faults, "contact", all);
+    if scene.contacts.len() > MOST_CONTACTS {
+        let count = scene.contacts.len();
+        let message = format!("are {count}; at most {MOST_CONTACTS} are allowed");
+        faults.add("contact", message);
+    }
+    let obstacles = scene.obstacles.iter().map(|one| &one.name);
+    let supports = scene.supports.iter().map(|one| &one.name);
+    let taken: BTreeSet<&String> = obstacles.chain(supports).collect();
+    for contact in &scene.contacts {
+        if taken.contains(&contact.name) {
+            let path = format!("contact.{}.name", contact.name);
+            faults.add(path, "is that of an obstacle or a support, too");
+        }
+    }
+}
+
+/// Refuses scenes that this version does not solve with several bodies.
+fn refuse(scene: &Scene, kind: SceneKind, faults: &mut Faults) {
+    let reason = match kind {
+        SceneKind::PlaneStrain => None,
+        SceneKind::PlaneStress => Some("contact between sheets is not solved yet"),
+        SceneKind::Axisymmetric => Some("contact between rings is not solved yet"),
+        SceneKind::Solid => Some("contact between bodies in space is not solved yet"),
+    };
+    if let Some(reason) = reason {
+        let message = format!("{reason}, bodies of plane strain are");
+        faults.unsupported("contact", message);
+    }
+    if scene.manufactured.is_some() {
+        let message = "stands beside a manufactured field, which brings its own loads";
+        faults.add("contact", message);
+    }
+    let flows = |model: &MaterialModel| matches!(model, MaterialModel::Stokes { .. });
+    if scene.materials.iter().any(|one| flows(&one.model)) {
+        faults.add("contact", "a flow has velocities, which close no gap");
+    }
+    if !scene.fluids.is_empty() {
+        let message = "a fluid beside contact between bodies is not solved yet: what it reaches there is not known";
+        faults.unsupported("fluid", message);
+    }
+}
+
+fn one(
+    contact: &ContactPair,
+    (mesh, of_vertex): (&Mesh, &[u32]),
+    faults: &mut Faults,
+) -> ResolvedPair {
+    let path = format!("contact.{}", contact.name);
+    let between = format!("{path}.between");
+    let sides = [0, 1].map(|side| {
+        let on = std::slice::from_ref(&contact.between[side]);
+        let facets = names::facets(mesh, &between, on, faults);
+        names::refuse_inner_facets(mesh, &facets, between.clone(), faults);
+        facets
+    });
+    let bodies = [0, 1].map(|side: usize| bodies(mesh, of_vertex, &sides[side]));
+    if let Some(body) = bodies[0].intersection(&bodies[1]).next() {
+        let message = if contact.between[0] == contact.between[1] {
+            "names the same group twice: contact of a surface with itself is not solved yet"
+                .to_owned()
+        } else {
+            format!(
+                "both groups have facets on part {body} of the mesh: contact of a body with itself is not solved yet"
+            )
+        };
+        faults.unsupported(between, message);
+    }
+    let named = contact.carries.as_ref().and_then(|carries| {
+        let side = contact.between.iter().position(|name| name == carries);
+        if side.is_none() {
+            let [a, b] = &contact.between;
+            let message = format!("`{carries}` is none of the groups `{a}` and `{b}`");
+            faults.add(format!("{path}.carries"), message);
+        }
+        side
+    });
+    ResolvedPair {
+        name: contact.name.clone(),
+        sides,
+        named,
+    }
+}
+
+/// The connected parts that facets lie on.
+fn bodies(mesh: &Mesh, of_vertex: &[u32], facets: &[u32]) -> BTreeSet<u32> {
+    let corners = facets.iter().map(|&facet| mesh.facet(facet as usize));
+    let first = corners.filter_map(|corners| corners.first());
+    first.map(|&vertex| of_vertex[vertex as usize]).collect()
+}
