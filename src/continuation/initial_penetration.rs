@@ -7,7 +7,6 @@
 
 use std::sync::Arc;
 
-use crate::contact::gap::evaluate_gaps;
 use crate::linalg::vector::{largest, scale};
 use crate::model::Model;
 use crate::model::drive::Drive;
@@ -35,7 +34,7 @@ impl InitialPenetration {
                 // A support moves its surface along.
                 continue;
             }
-            let (gaps, _) = evaluate_gaps(&body, &interface.surface, &obstacle);
+            let (gaps, _) = obstacle.gaps(&body, &interface.surface);
             let weighted = gaps.iter().zip(&interface.surface.weights);
             for (place, (gap, weight)) in interface.places().zip(weighted) {
                 let depth = (-gap / weight).max(0.0);

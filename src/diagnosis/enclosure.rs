@@ -10,7 +10,6 @@
 
 use crate::assembly::load::facet_measure;
 use crate::contact::ContactSurface;
-use crate::contact::gap::evaluate_gaps;
 use crate::linalg::vector::{add_scaled, dot};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
@@ -45,7 +44,7 @@ pub(crate) fn is_full(model: &Model<'_>, state: &State, goal: &Drive) -> bool {
         if !faces_all(model, (state, &interface.surface), obstacle) {
             return false;
         }
-        let (gaps, _) = evaluate_gaps(&body, &interface.surface, &met);
+        let (gaps, _) = met.gaps(&body, &interface.surface);
         net += gaps.iter().sum::<f64>();
         all += gaps.iter().map(|gap| gap.abs()).sum::<f64>();
     }

@@ -5,7 +5,7 @@ mod enclosure;
 pub(crate) mod site;
 pub(crate) mod uniqueness;
 
-use crate::contact::gap::{Deformed, Measure, evaluate_gaps, linearise};
+use crate::contact::gap::{Deformed, Measure};
 use crate::linalg::Workspace;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::model::Model;
@@ -127,9 +127,9 @@ fn is_closed_by_contact(model: &Model<'_>, state: &State, work: &mut Workspace) 
     let present = model.deformed(&state.displacement);
     for (interface, obstacle) in model.placed(&state.drive) {
         let is_held = &model.prepared.is_held;
-        let part = linearise(&body, &interface.surface, &obstacle, is_held);
+        let part = obstacle.linearise(&body, &interface.surface, is_held);
         let status = interface.own(&state.status);
-        let (gaps, _) = evaluate_gaps(&present, &interface.surface, &obstacle);
+        let (gaps, _) = obstacle.gaps(&present, &interface.surface);
         let weighted = gaps.iter().zip(&interface.surface.weights);
         let acts = weighted.zip(status.iter());
         let acts = acts.map(|((gap, weight), status)| status.is_closed() || *gap < NEAR * weight);

@@ -123,7 +123,7 @@ fn not_taken_up(model: &Model<'_>, state: &State, force: [f64; 3]) -> [f64; 3] {
     let body = model.deformed(&state.displacement);
     let contacts = model
         .placed(&state.drive)
-        .filter(|(one, _)| one.is_contact());
+        .filter(|(_, met)| met.obstacle().is_some());
     let normals = contacts.flat_map(|(one, met)| mean_normals(&body, &one.surface, &met));
     let normals: Vec<[f64; 3]> = normals.filter_map(normalised).collect();
     let mut pressures = vec![0.0; normals.len()];

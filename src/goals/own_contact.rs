@@ -10,7 +10,8 @@ use crate::contact::curvature;
 use crate::contact::gap::linearise;
 use crate::linalg::SparseRows;
 use crate::model::Model;
-use crate::model::interfaces::{Interface, Placed};
+use crate::model::interfaces::Interface;
+use crate::model::placed::Placed;
 use crate::model::state::State;
 
 /// An obstacle's surface with the rows of its gaps, held columns among them.

@@ -19,7 +19,7 @@ use super::internal::internal;
 use super::joined::Joined;
 use super::pressures::add_pressures;
 use super::state::State;
-use crate::contact::{Advancing, Linearisation, linearise, linearise_advanced};
+use crate::contact::Linearisation;
 use crate::inequality::QpScales;
 use crate::linalg::vector::{add_scaled, dot, norm, ratio};
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
@@ -163,16 +163,13 @@ fn linearised<'a>(
     let held = &model.prepared.is_held;
     let Some(last) = last else {
         let placed = model.placed(&state.drive);
-        let parts = placed.map(|(one, met)| (one, linearise(&body, &one.surface, &met, held)));
+        let parts = placed.map(|(one, met)| (one, met.linearise(&body, &one.surface, held)));
         return parts.collect();
     };
     let placed = model.placed_from(state, last).into_iter();
     let parts = placed.map(|(one, now, before)| {
-        let tool = Advancing {
-            now: &now,
-            before: before.as_ref(),
-        };
-        (one, linearise_advanced(&body, &one.surface, tool, held))
+        let at = (&body, &one.surface);
+        (one, now.linearise_from(before.as_ref(), at, held))
     });
     parts.collect()
 }
@@ -204,7 +201,7 @@ fn add_contact(model: &Model<'_>, state: &State, last: Option<&Drive>, out: &mut
 
 impl Evaluation {
     /// Takes the coupling that a step from `state` sees, whose tools have moved on from `last` and
-    /// whose body has not ([`linearise_advanced`]).
+    /// whose body has not ([`crate::contact::linearise_advanced`]).
     pub(crate) fn advance_from(
         &mut self,
         last: Drive,

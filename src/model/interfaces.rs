@@ -1,10 +1,11 @@
 //! The surfaces of the body that carry multipliers, with what each of them meets:
-//! candidate surfaces with their obstacles, then the smooth patches that supports hold
-//! along their normal. The multipliers of all of them stand one after the other.
+//! candidate surfaces with their obstacles, carriers of contacts between bodies, then the smooth
+//! patches that supports hold along their normal. The multipliers of all of them stand one after
+//! the other.
 //!
 //! ```text
-//! multipliers:  obstacle 1 | obstacle 2 | ... | patch 1 of support 1 | patch 2 | ...
-//! sets:         NonNegative ............... | Free ...........................
+//! multipliers:  obstacle 1 | ... | contact 1 | ... | patch 1 of support 1 | patch 2 | ...
+//! sets:         NonNegative ................... | Free ...........................
 //! ```
 //!
 //! Obstacles have quadratic functions at all nodes or hats at the vertices, as the plan
@@ -18,6 +19,7 @@ use std::sync::Arc;
 use super::contact_moduli::contact_moduli;
 use super::drive::Drive;
 use super::friction::Friction;
+use super::placed::Placed;
 use super::state::State;
 use super::surface_metric::SurfaceMetric;
 use crate::contact::basis::Bernstein;
@@ -25,14 +27,14 @@ use crate::contact::gap::Deformed;
 use crate::contact::patches::outward;
 use crate::contact::smooth::sagittas;
 use crate::contact::surface::{FACE_DEGREE, KINKED_DEGREE, face_rule};
-use crate::contact::{
-    AdmittedDepth, ContactFace, ContactSurface, Counterpart, Guide, Measure, Places,
-};
+use crate::contact::{ContactSurface, Guide, Measure};
 use crate::element::quadrature::Rule;
 use crate::geometry::RigidMotion;
 use crate::mesh::Mesh;
-use crate::obstacle::{Contact, Derivatives, Moving, Obstacle};
+use crate::obstacle::{Moving, Obstacle};
+use crate::pairs::PairSurface;
 use crate::plan::Plan;
+use crate::plan::pairs::PlannedPair;
 use crate::plan::surfaces::ContactLayout;
 use crate::saddle::{AdmissibleSet, SetPart};
 use crate::scene::ContactSpace;
@@ -71,53 +73,8 @@ pub(crate) enum Role {
     Contact(Arc<dyn Obstacle>),
     /// The support of that number, which holds the normal component.
     Support(usize),
-}
-
-/// What a surface meets, where a drive has it.
-#[derive(Clone, Debug)]
-pub(crate) enum Placed {
-    /// An obstacle in its pose, non-dimensional.
-    Obstacle(Moving),
-    /// An obstacle that lets the body in by some depth.
-    Admitting(Moving, AdmittedDepth),
-    /// The planes of the faces, moved with their support.
-    Guide(Guide),
-}
-
-impl Placed {
-    /// The same, letting the body of `surface` in by `depths` `[multipliers]`.
-    pub(crate) fn admitting(self, surface: &ContactSurface, rule: &Rule, depths: &[f64]) -> Self {
-        match self {
-            Self::Obstacle(obstacle) => {
-                Self::Admitting(obstacle, AdmittedDepth::new(surface, rule, depths))
-            }
-            Self::Admitting(..) | Self::Guide(_) => self,
-        }
-    }
-
-    /// The obstacle; none where a support holds the surface.
-    pub(crate) fn obstacle(&self) -> Option<&Moving> {
-        match self {
-            Self::Obstacle(obstacle) | Self::Admitting(obstacle, _) => Some(obstacle),
-            Self::Guide(_) => None,
-        }
-    }
-}
-
-impl Counterpart for Placed {
-    fn probe_on(
-        &self,
-        face: &ContactFace,
-        points: Places<'_>,
-        what: Derivatives,
-        out: &mut [Contact],
-    ) {
-        match self {
-            Self::Obstacle(obstacle) => obstacle.probe_on(face, points, what, out),
-            Self::Admitting(obstacle, depth) => depth.probe(obstacle, (face, points), what, out),
-            Self::Guide(guide) => guide.probe_on(face, points, what, out),
-        }
-    }
+    /// A surface of another body, which the surface may touch from one side and leave.
+    Pair(Arc<PairSurface>),
 }
 
 impl Interface {
@@ -148,21 +105,38 @@ impl Interface {
         self.surface.shares.spread(&self.own(all)).into_owned()
     }
 
-    /// Whether an obstacle meets the surface, from one side.
+    /// Whether an obstacle or another body meets the surface, from one side.
     pub(crate) fn is_contact(&self) -> bool {
-        matches!(self.role, Role::Contact(_))
+        !matches!(self.role, Role::Support(_))
+    }
+
+    /// The other surface, where that is one of another body.
+    pub(crate) fn pair(&self) -> Option<&PairSurface> {
+        match &self.role {
+            Role::Pair(pair) => Some(pair),
+            Role::Contact(_) | Role::Support(_) => None,
+        }
+    }
+
+    /// Takes the gap to another body where the linear `body` is at rest.
+    fn freeze(&mut self, body: &Deformed<'_>) {
+        if let Role::Pair(pair) = &mut self.role {
+            Arc::make_mut(pair).freeze(body, &self.surface);
+        }
     }
 
     /// Whether what the surface meets has no curvature, so that its tangent needs none.
     fn is_flat(&self) -> bool {
         match &self.role {
             Role::Contact(shape) => shape.is_flat(),
-            Role::Support(_) => true,
+            // That of a linear body is taken where it is at rest.
+            Role::Support(_) | Role::Pair(_) => true,
         }
     }
 }
 
-/// All interfaces of a scene: of obstacles, in the order of the plan, then of supports.
+/// All interfaces of a scene: of obstacles, in the order of the plan, of contacts between bodies,
+/// then of supports.
 #[derive(Debug)]
 pub(crate) struct Interfaces {
     /// The interfaces, their multipliers one after the other.
@@ -175,7 +149,7 @@ pub(crate) struct Interfaces {
     pub(crate) metric: SurfaceMetric,
     /// Shear modulus where each multiplier acts; empty where all cells are alike.
     pub(crate) moduli: Vec<f64>,
-    /// Number of contact pressures of all obstacles, which come first.
+    /// Number of contact pressures of all obstacles and bodies, which come first.
     normals: usize,
     /// Tractions of frictional obstacles; none where there are none.
     pub(crate) friction: Option<Friction>,
@@ -209,7 +183,9 @@ impl Interfaces {
             let patches = support.patches.iter();
             patches.map(move |patch| of_patch(plan, mesh, space, (index, patch)))
         });
-        let mut list: Vec<Interface> = contacts.chain(guides).collect();
+        let pairs = plan.problem.pairs.iter().zip(&plan.problem.pair_layouts);
+        let pairs = pairs.map(|pair| of_pair(plan, mesh, space, pair));
+        let mut list: Vec<Interface> = contacts.chain(pairs).chain(guides).collect();
         number_guides(plan, &mut list);
         let rule = face_rule(plan.problem.units.dimension, contact_degree(plan));
         let at_rest = vec![0.0; space.displacement_unknowns()];
@@ -221,6 +197,9 @@ impl Interfaces {
             rule: &rule,
             measure: Measure::Undeformed,
         };
+        if !plan.problem.resolved.is_rubber() {
+            list.iter_mut().for_each(|one| one.freeze(&body));
+        }
         let surfaces = list.iter().map(|one| (&one.multipliers[..], &one.surface));
         let surfaces: Vec<(&[u32], &ContactSurface)> = surfaces.collect();
         let friction = Friction::new(plan, &body, &surfaces);
@@ -257,7 +236,7 @@ impl Interfaces {
             .iter()
             .filter_map(|interface| match &interface.role {
                 Role::Contact(shape) => Some(shape),
-                Role::Support(_) => None,
+                Role::Support(_) | Role::Pair(_) => None,
             });
         let poses = shapes.zip(&drive.poses);
         poses
@@ -279,15 +258,16 @@ impl Interfaces {
             .obstacles(drive, length)
             .into_iter()
             .map(Placed::Obstacle);
-        let guides = self
+        let others = self
             .list
             .iter()
-            .filter_map(|interface| match interface.role {
+            .filter_map(|interface| match &interface.role {
                 Role::Contact(_) => None,
-                Role::Support(index) => Some(Placed::Guide(guide(drive, index, length))),
+                Role::Support(index) => Some(Placed::Guide(guide(drive, *index, length))),
+                Role::Pair(pair) => Some(Placed::Pair(pair.clone(), None)),
             });
-        let guides: Vec<Placed> = guides.collect();
-        self.list.iter().zip(obstacles.chain(guides))
+        let others: Vec<Placed> = others.collect();
+        self.list.iter().zip(obstacles.chain(others))
     }
 }
 
@@ -338,6 +318,30 @@ fn of_obstacle(
         facets: obstacle.facets.clone(),
         idle: Vec::new(),
         role: Role::Contact(obstacle.shape.clone()),
+        multipliers: planned.multipliers.clone(),
+    }
+}
+
+/// The carrier of a contact between bodies.
+fn of_pair(
+    plan: &Plan,
+    mesh: &Mesh,
+    space: &TaylorHood,
+    (pair, planned): (&PlannedPair, &ContactLayout),
+) -> Interface {
+    let facets = pair.carrier.iter();
+    let facets: Vec<Vec<u32>> = facets.map(|&f| mesh.facet(f as usize).to_vec()).collect();
+    let bare = surface(plan, mesh, space, &facets);
+    let surface = bare.with_layout(&Bernstein, planned.layout.clone());
+    let sides = [&pair.carrier[..], &pair.other[..]];
+    let meets = PairSurface::new((mesh, space), sides, &surface);
+    Interface {
+        name: pair.name.clone(),
+        surface,
+        sagittas: Vec::new(),
+        facets: pair.carrier.clone(),
+        idle: Vec::new(),
+        role: Role::Pair(Arc::new(meets)),
         multipliers: planned.multipliers.clone(),
     }
 }

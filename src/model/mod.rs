@@ -27,6 +27,7 @@ pub(crate) mod joined;
 pub(crate) mod loads;
 pub(crate) mod mean_pressure;
 pub(crate) mod open_gap;
+pub(crate) mod placed;
 pub(crate) mod prescribed;
 pub(crate) mod pressures;
 pub(crate) mod proximal;
@@ -46,7 +47,8 @@ use crate::plan::Plan;
 use crate::prepare::TaylorHoodData;
 use conditions::Conditions;
 use drive::Drive;
-use interfaces::{Interface, Interfaces, Placed};
+use interfaces::{Interface, Interfaces};
+use placed::Placed;
 use state::State;
 
 /// The body on its obstacles, as everything reads it that solves for a state or

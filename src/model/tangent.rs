@@ -18,7 +18,6 @@ use crate::assembly::strain::{
     Linearised, Mixed, StrainGrid, TangentBody, TangentDivergence, TangentProducts,
     TangentStiffness,
 };
-use crate::contact::gap::evaluate_gaps;
 use crate::linalg::Workspace;
 use crate::linalg::vector::add_scaled;
 use crate::model::Model;
@@ -132,7 +131,7 @@ fn gaps(model: &Model<'_>, state: &State) -> Vec<f64> {
     let body = model.deformed(&state.displacement);
     let mut gaps = vec![0.0; model.plan.unknowns().contact as usize];
     for (interface, obstacle) in model.placed(&state.drive) {
-        let (own, _) = evaluate_gaps(&body, &interface.surface, &obstacle);
+        let (own, _) = obstacle.gaps(&body, &interface.surface);
         interface.add_own(&own, &mut gaps);
     }
     if let Some(friction) = &model.interfaces.friction {

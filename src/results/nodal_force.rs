@@ -11,7 +11,6 @@
 //! revolution holds is nobody's. Non-dimensional, hierarchical but for the field. Cost: one
 //! product with the operator and one pass over the contact surfaces.
 
-use crate::contact::gap::linearise;
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
@@ -65,7 +64,7 @@ pub(crate) fn contact_force(model: &Model<'_>, state: &State) -> Vec<f64> {
     let free = vec![false; contact.len()];
     let mut joined = Joined::new(state.multiplier.len());
     for (interface, met) in model.placed(&state.drive) {
-        joined.add(interface, linearise(&body, &interface.surface, &met, &free));
+        joined.add(interface, met.linearise(&body, &interface.surface, &free));
     }
     if let Some(friction) = &model.interfaces.friction {
         joined.add_friction(friction, friction.linearised(model, state, &free));

@@ -123,7 +123,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
         let force = norm(&now.force);
         (now, force)
     };
-    limit_gap_scale(run.state, &now);
+    limit_gap_scale(&run.model, run.state, &now);
     raise_scales(&run.model, run.state, &now);
     let first_force = first_force.max(least_force(&run.model, run.state, &now));
     Iterate {
@@ -239,7 +239,7 @@ impl Iterate {
                 .advance_from(last, (&run.model, run.state), run.work);
         }
         if run.model.is_rubber() {
-            limit_gap_scale(run.state, &self.now);
+            limit_gap_scale(&run.model, run.state, &self.now);
         }
         raise_scales(&run.model, run.state, &self.now);
         self.reduction = forcing(worst, self.residuals(run.state).largest());

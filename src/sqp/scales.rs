@@ -18,6 +18,9 @@ constants! {
     const LEAST_STRESS: [f64; 2] = [1e-11, 1e-9];
     /// Roundings that one entry of a force adds up.
     const ROUNDINGS: f64 = 8.0;
+    /// Most of a body's length by which surfaces that move together count as moved: bodies that are
+    /// carried far lose no digits of their contact.
+    const TOGETHER: f64 = 0.01;
 }
 
 /// Lets the scales of a body that nothing drives any more be those of a fresh one: what
@@ -37,15 +40,36 @@ pub(super) fn touches(state: &State) -> bool {
 
 /// Keeps the scale of the gap to what contact has moved the surface by: a lift, or a body
 /// carried far, has seen larger ones.
-pub(super) fn limit_gap_scale(state: &mut State, now: &Evaluation) {
+pub(super) fn limit_gap_scale(model: &Model<'_>, state: &mut State, now: &Evaluation) {
     let mut moved = vec![0.0; state.multiplier.len()];
     let mut work = Workspace::new();
     now.coupling
         .apply(&state.displacement, &mut moved, &mut work);
+    for (place, own) in between_bodies(model, state, now) {
+        moved[place] = own;
+    }
     let closed = moved.iter().zip(&state.status);
     let closed = closed.filter(|(_, status)| status.is_closed());
     let square: f64 = closed.map(|(moved, _)| moved * moved).sum();
     state.scales.gap = state.scales.gap.min(square.sqrt());
+}
+
+/// How far both surfaces of each multiplier between bodies have moved, weighted, where it is closed:
+/// bodies that move together close no gap, and see none.
+fn between_bodies(model: &Model<'_>, state: &State, now: &Evaluation) -> Vec<(usize, f64)> {
+    let mut all = Vec::new();
+    let list = model.interfaces.list.iter();
+    for interface in list.filter(|interface| interface.pair().is_some()) {
+        for (place, &weight) in interface.places().zip(&interface.surface.weights) {
+            let (columns, values) = now.coupling.row(place);
+            let entries = columns.iter().zip(values);
+            let moved = entries.map(|(&k, value)| (value * state.displacement[k as usize]).abs());
+            if state.status[place].is_closed() {
+                all.push((place, moved.sum::<f64>().min(TOGETHER * weight)));
+            }
+        }
+    }
+    all
 }
 
 /// Keeps the scales of gaps, and of volumes of rubber, to what their rounding is within the
@@ -65,6 +89,9 @@ pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluatio
         square += dot(&moved, &moved);
     }
     state.scales.gap = state.scales.gap.max(least * square.sqrt());
+    let together = between_bodies(model, state, now).into_iter();
+    let together: f64 = together.map(|(_, moved)| moved * moved).sum();
+    state.scales.gap = state.scales.gap.max(together.sqrt());
     let volumes = if model.is_rubber() {
         least / (model.prepared.space.vertices as f64).sqrt()
     } else if is_left_alone(state, now) {

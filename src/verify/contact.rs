@@ -15,6 +15,8 @@ use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::geometry::vector3::{add, cross, norm, sub};
 use crate::mesh::CurvedFacet;
 use crate::model::Model;
+use crate::model::interfaces::Interface;
+use crate::model::placed::Placed;
 use crate::model::state::State;
 use crate::obstacle::{Contact, Derivatives};
 
@@ -37,6 +39,11 @@ pub(super) fn residuals(
     let mut gap = vec![0.0; pressure.len()];
     for (interface, met) in model.placed(&state.drive) {
         let surface = &interface.surface;
+        if met.pair().is_some() {
+            let own = between_bodies((model, state), (interface, &met), force);
+            interface.add_own(&own, &mut gap);
+            continue;
+        }
         let coefficients = interface.coefficients(&pressure);
         let mut integrals = vec![0.0; surface.carriers.len()];
         for face in &surface.faces {
@@ -51,6 +58,36 @@ pub(super) fn residuals(
         }
     }
     (gap, pressure)
+}
+
+/// Gaps between two bodies, and their force on `force` `[nodes, 3]`, by the solver's own integrals:
+/// those have their checks in closed curves and differences.
+fn between_bodies(
+    (model, state): (&Model<'_>, &State),
+    (interface, met): (&Interface, &Placed),
+    force: &mut [[f64; 3]],
+) -> Vec<f64> {
+    let units = &model.plan.problem.units;
+    let body = model.deformed(&state.displacement);
+    let free = vec![false; state.displacement.len()];
+    let part = met.linearise(&body, &interface.surface, &free);
+    let mut pushed = vec![0.0; state.displacement.len()];
+    for (row, pressure) in part
+        .rows
+        .iter()
+        .zip(interface.own(&state.multiplier).iter())
+    {
+        for &(unknown, value) in row {
+            pushed[unknown as usize] -= value * pressure * units.force();
+        }
+    }
+    let space = &model.prepared.space;
+    let nodes = space.node_forces(&pushed);
+    for (own, pushed) in force.iter_mut().zip(nodes.chunks_exact(space.components)) {
+        own.iter_mut().zip(pushed).for_each(|(sum, x)| *sum += x);
+    }
+    let unit = units.area() * units.length;
+    part.gap.iter().map(|gap| gap * unit).collect()
 }
 
 /// Faces of a body displaced by `nodal` and how they are integrated.

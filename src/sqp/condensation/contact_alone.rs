@@ -127,7 +127,7 @@ fn begin(run: &mut Run<'_>, drive: &Drive) -> Evaluation {
         evaluate_contact(&run.model, run.state)
     });
     plain.load_norm = load_norm(&run.model, run.state);
-    limit_gap_scale(run.state, &plain);
+    limit_gap_scale(&run.model, run.state, &plain);
     raise_scales(&run.model, run.state, &plain);
     let gap = plain.gap_norm(run.state);
     run.state.scales.see(0.0, gap);

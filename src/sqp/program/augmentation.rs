@@ -1,6 +1,7 @@
 //! What rubber under contact pressure needs beside its tangent: the terms of
 //! [`crate::inequality::augmentation`] about the present state. None for linear bodies,
-//! whose stiffness knows no pressure, and below [`HIGH`] with friction.
+//! whose stiffness knows no pressure, and below [`HIGH`] with friction. Where bodies meet each other
+//! there are none: what is wrong with one body's trace there is right with the other's.
 //!
 //! Tractions have rows like those of pressures, R_j(v) = - int psi_j t da(v) for each component
 //! t, without the internal pressure, which acts along the normal. Cost: a pass over the closed
@@ -27,8 +28,10 @@ constants! {
 
 /// The terms about `state`.
 pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentation> {
+    let mut list = model.interfaces.list.iter();
+    let has_terms = list.any(|interface| interface.pair().is_none());
     let is_pressed = state.multiplier.iter().any(|&l| l != 0.0);
-    if !model.is_rubber() || !is_pressed {
+    if !model.is_rubber() || !is_pressed || !has_terms {
         return None;
     }
     let is_high = mean_pressure(model, state) >= HIGH;
@@ -47,6 +50,7 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
     let places = tractions.iter().flat_map(|(_, places)| places);
     places.for_each(|&place| is_traction[place] = true);
     let list = model.interfaces.list.iter();
+    let list = list.filter(|interface| interface.pair().is_none());
     let normals = list.map(|interface| (interface, interface.places().collect(), internal));
     let none: &[f64] = &[];
     let along = tractions
@@ -67,6 +71,7 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
             area_change(&body, &interface.surface, pressures, held),
         );
     }
+    own_mass_of_pairs(model, &mut all.mass);
     let mass = finish(all.mass, size);
     Some(Augmentation {
         order: order(model, &mass),
@@ -77,6 +82,16 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
         is_traction,
         mass,
     })
+}
+
+/// Where bodies meet there are no terms, and the mass is one that has a factor.
+fn own_mass_of_pairs(model: &Model<'_>, mass: &mut [Vec<(u32, f64)>]) {
+    let list = model.interfaces.list.iter();
+    for interface in list.filter(|interface| interface.pair().is_some()) {
+        for (place, &weight) in interface.places().zip(&interface.surface.weights) {
+            mass[place].push((place as u32, weight));
+        }
+    }
 }
 
 /// One where a multiplier is closed, else zero.

@@ -23,6 +23,7 @@ use std::sync::atomic::Ordering;
 
 use super::QuadraticProgram;
 use super::contact_edges::contact_edges;
+use super::geometric::curvature_between_bodies;
 use super::step::{Step, first_iterate, step_from};
 use crate::contact::area_change::Pressures;
 use crate::contact::curvature_where_held;
@@ -55,7 +56,8 @@ fn curvature(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     under_pressure.then(|| {
         let closed = |status: &Status| f64::from(u8::from(status.is_closed()));
         let closed: Vec<f64> = state.status.iter().map(closed).collect();
-        let placed: Vec<_> = model.placed(&state.drive).collect();
+        let placed = model.placed(&state.drive);
+        let placed: Vec<_> = placed.filter(|(one, _)| one.pair().is_none()).collect();
         let own = placed.iter().map(|(interface, met)| {
             let pressures = [&state.multiplier, &closed].map(|all| interface.own(all));
             (&interface.surface, met, pressures)
@@ -71,7 +73,10 @@ fn curvature(model: &Model<'_>, state: &State) -> Option<SparseRows> {
         });
         let surfaces: Vec<_> = surfaces.collect();
         let body = model.deformed(&state.displacement);
-        let own = curvature_where_held(&body, &surfaces, &model.prepared.is_held);
+        let mut own = curvature_where_held(&body, &surfaces, &model.prepared.is_held);
+        if let Some(pairs) = curvature_between_bodies(model, state) {
+            own = own.plus(&pairs);
+        }
         model.prepared.held.project_matrix(own)
     })
 }

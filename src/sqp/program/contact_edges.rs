@@ -73,7 +73,8 @@ pub(super) fn contact_edges(model: &Model<'_>, state: &State) -> Option<SparseRo
 fn of_nodes(model: &Model<'_>, state: &State) -> BTreeMap<u32, ContactEdge> {
     let body = model.deformed(&state.displacement);
     let mut nodes: BTreeMap<u32, ContactEdge> = BTreeMap::new();
-    for (interface, met) in model.placed(&state.drive) {
+    let met = model.placed(&state.drive);
+    for (interface, met) in met.filter(|(_, met)| met.pair().is_none()) {
         let surface = &interface.surface;
         let normals = mean_normals(&body, surface, &met);
         let multipliers = interface.own(&state.multiplier);

@@ -98,17 +98,39 @@ fn curvature_of(model: &Model<'_>, state: &State, last: Option<&Drive>) -> Optio
     }
     let own = match last {
         None => {
-            let placed: Vec<_> = model.placed(&state.drive).collect();
+            let placed = model.placed(&state.drive);
+            let placed: Vec<_> = placed.filter(|(one, _)| one.pair().is_none()).collect();
             curvature_under(model, state, &placed)
         }
         Some(last) => {
             let placed = model.placed_from(state, last);
-            let tools = placed.iter().map(|(interface, now, before)| {
+            let tools = placed.iter().filter(|(one, ..)| one.pair().is_none());
+            let tools = tools.map(|(interface, now, before)| {
                 let before = before.as_ref();
                 (*interface, Advancing { now, before })
             });
             curvature_under(model, state, &tools.collect::<Vec<_>>())
         }
     };
+    let own = match curvature_between_bodies(model, state) {
+        Some(pairs) => own.plus(&pairs),
+        None => own,
+    };
     Some(model.prepared.held.project_matrix(own))
+}
+
+/// Curvature of the gaps between bodies under the present contact pressure; none where no two
+/// bodies meet.
+pub(super) fn curvature_between_bodies(model: &Model<'_>, state: &State) -> Option<SparseRows> {
+    let body = model.deformed(&state.displacement);
+    let pairs = model.interfaces.list.iter().filter_map(|interface| {
+        let pressures = interface.own(&state.multiplier);
+        let own = (&interface.surface, &pressures[..]);
+        Some(
+            interface
+                .pair()?
+                .curvature(&body, own, &model.prepared.is_held),
+        )
+    });
+    pairs.reduce(|sum, one| sum.plus(&one))
 }
