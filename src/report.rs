@@ -191,6 +191,30 @@ pub struct ContactInterval {
     pub force: [f64; 3],
 }
 
+/// Contact between two bodies.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodyContactResult {
+    /// Force on the body of the group that the scene names first `[3]`; the other one has the
+    /// opposite force.
+    pub force: [f64; 3],
+    /// Its moment about the origin `[3]`.
+    pub moment: [f64; 3],
+    /// Area of the deformed surface in contact, per unit thickness in the plane; zero without
+    /// contact.
+    pub contact_area: f64,
+    /// Length of the deformed surface in contact in the plane, the sum of the intervals' widths.
+    pub contact_width: f64,
+    /// Intervals of contact along the surface that carries the pressure, with the force on the body
+    /// named first.
+    pub contact_intervals: Vec<ContactInterval>,
+    /// Integral of the pressure over `contact_area`; none without contact.
+    pub mean_pressure: Option<f64>,
+    /// Largest contact pressure; zero without contact.
+    pub peak_pressure: f64,
+    /// Where that is in the deformed body `[3]`; none without contact.
+    pub peak_pressure_place: Option<[f64; 3]>,
+}
+
 /// Reaction of one support.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SupportResult {
@@ -320,6 +344,8 @@ pub struct StepReport {
     pub tolerance: f64,
     /// What each obstacle does to the body, by its name.
     pub obstacles: BTreeMap<String, ObstacleResult>,
+    /// Contacts between bodies, by their names.
+    pub contacts: BTreeMap<String, BodyContactResult>,
     /// Reaction of each support, by its name.
     pub supports: BTreeMap<String, SupportResult>,
     /// What each fluid does to the body, by its name.

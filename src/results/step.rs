@@ -60,6 +60,7 @@ pub(crate) fn report(
         snapped: ending.snapped.map(|snap| snap.in_units(units)),
         max_penetration: ending.max_penetration * units.length,
         obstacles: obstacles(model, state, estimated.as_ref()),
+        contacts: Touching::of(model, state).between_bodies(),
         supports: reactions(model, state, inside.force),
         fluids: fluids::results(model, state, ending, counters.fluid_rounds),
         probes: probes(model, state),

@@ -7,18 +7,20 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::contact::gap::{Deformed, evaluate_gaps};
+use crate::contact::gap::Deformed;
 use crate::contact::resultant::{Acting, Resultant, resultant};
 use crate::contact::{self, extent};
 use crate::geometry::vector3::add;
 use crate::linalg::vector::scale;
 use crate::model::Model;
-use crate::model::interfaces::{Interface, Interfaces, Placed};
+use crate::model::interfaces::{Interface, Interfaces};
+use crate::model::placed::Placed;
 use crate::model::state::State;
 use crate::obstacle::Obstacle;
+use crate::pairs::PairSurface;
 use crate::plan::Plan;
 use crate::plan::Units;
-use crate::report::{ContactInterval, ObstacleResult};
+use crate::report::{BodyContactResult, ContactInterval, ObstacleResult};
 
 /// Contact state of vertices that carry no multiplier.
 const NOT_A_CANDIDATE: f64 = -1.0;
@@ -74,12 +76,63 @@ impl<'a> Touching<'a> {
         results
     }
 
+    /// Results of all contacts between bodies.
+    pub(crate) fn between_bodies(&self) -> BTreeMap<String, BodyContactResult> {
+        let list = self.interfaces.list.iter();
+        let met = list.filter_map(|interface| Some((interface, interface.pair()?)));
+        let planned = met.zip(&self.plan.problem.pairs);
+        let results = planned.map(|((interface, pair), planned)| {
+            let result = self.between(interface, pair, planned.first_carries());
+            (interface.name.clone(), result)
+        });
+        results.collect()
+    }
+
+    /// The result of one contact between bodies, with the force on that of the first group.
+    fn between(
+        &self,
+        interface: &Interface,
+        pair: &PairSurface,
+        first_carries: bool,
+    ) -> BodyContactResult {
+        let units = &self.plan.problem.units;
+        let own = Own::of(interface, self.state);
+        let at = own.acting([0.0; 3]);
+        let probing = pair.probing(&self.body);
+        let extent = extent(&self.body, &interface.surface, &probing, at);
+        let found = resultant(&self.body, &interface.surface, &probing, at);
+        let forces = pair.forces(&self.body, (&interface.surface, &own.pressure));
+        let (force, moment, sign) = if first_carries {
+            (forces.on_carrier, forces.moment, 1.0)
+        } else {
+            (forces.on_other, forces.other_moment, -1.0)
+        };
+        let intervals = extent.intervals.iter().map(|own| {
+            let own = in_units(own, units);
+            ContactInterval {
+                force: own.force.map(|x| sign * x),
+                ..own
+            }
+        });
+        let intervals: Vec<ContactInterval> = intervals.collect();
+        let area = extent.area * units.area();
+        BodyContactResult {
+            force: [force[0] * units.force(), force[1] * units.force(), 0.0],
+            moment: [0.0, 0.0, moment * units.energy()],
+            contact_area: area,
+            contact_width: intervals.iter().map(|own| own.width).sum(),
+            contact_intervals: intervals,
+            mean_pressure: (area > 0.0).then(|| found.normal_force * units.force() / area),
+            peak_pressure: extent.peak.map_or(0.0, |(value, _)| value * units.stress),
+            peak_pressure_place: extent.peak.map(|(_, at)| at.map(|x| x * units.length)),
+        }
+    }
+
     /// What the support `name` exerts along its normal: force, and moment about `reference`,
     /// non-dimensional; zeros where it has no multipliers.
     pub(crate) fn guided(&self, name: &str, reference: [f64; 3]) -> [[f64; 3]; 2] {
         let placed = self.placed();
-        let own =
-            placed.filter(|(interface, met)| interface.name == name && met.obstacle().is_none());
+        let own = placed.filter(|(interface, _)| interface.name == name && !interface.is_contact());
         own.fold([[0.0; 3]; 2], |[force, moment], (interface, met)| {
             let found = self.resultant(interface, &met, reference);
             [add(force, found.force), add(moment, found.moment)]
@@ -207,7 +260,7 @@ impl<'a> Touching<'a> {
         let mut gaps = Vec::with_capacity(self.interfaces.list.len());
         for (interface, obstacle) in self.placed() {
             let surface = &interface.surface;
-            let (weighted, _) = evaluate_gaps(&self.body, surface, &obstacle);
+            let (weighted, _) = obstacle.gaps(&self.body, surface);
             let weights = surface.weights.iter();
             let own = weighted.iter().zip(weights).map(|(g, w)| g / w * length);
             gaps.push(surface.shares.spread(&own.collect::<Vec<_>>()).into_owned());

@@ -324,6 +324,23 @@ pub(crate) fn file_parts(name: &str) -> MeshParts {
     parts_of(&format!("{}/{name}.msh", folder.display()))
 }
 
+/// A mesh of second order in the folder of the stories' meshes.
+pub(crate) fn curved_file(name: &str) -> Arc<Mesh> {
+    let folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    let mut meshes = folders.map(|folder| folder.join("tests/meshes"));
+    let folder = meshes.find(|folder| folder.is_dir()).expect("meshes");
+    let path = folder.join(format!("{name}.msh"));
+    let bytes = std::fs::read(&path).expect("a mesh file of the repository");
+    let file = signorini_client::formats::msh::read(&bytes).expect("a valid mesh file");
+    let offsets = file.curved.iter().map(|edge| signorini::EdgeOffset {
+        ends: edge.ends,
+        offset: edge.offset,
+    });
+    let offsets = offsets.collect();
+    let path = path.to_str().expect("a path of plain letters");
+    Arc::new(Mesh::second_order(parts_of(path), offsets).expect("a valid mesh"))
+}
+
 /// Arrays of the Gmsh file at `path`.
 pub(crate) fn parts_of(path: &str) -> MeshParts {
     let bytes = std::fs::read(path).expect("a mesh file of the repository");

@@ -11,6 +11,9 @@ use signorini::{Mesh, Scene, Step};
 /// All components held at zero.
 pub(crate) const HELD: [Option<f64>; 3] = [Some(0.0); 3];
 
+/// Both components of a plane body held at zero.
+pub(crate) const HELD_IN_PLANE: [Option<f64>; 3] = [Some(0.0), Some(0.0), None];
+
 /// A body of shear modulus one, without supports and loads.
 pub(crate) fn elastic(poisson_ratio: f64) -> Scene {
     let mut scene = Scene {

@@ -1,0 +1,12 @@
+//! Stories of contact between soft bodies in the plane: patches, shrink fits, cylinders, closed boxes.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod box_of_two;
+mod cylinders;
+mod mirrors;
+mod patches;
+mod refusals;
+mod rings;
+mod scenes;

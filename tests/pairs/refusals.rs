@@ -1,0 +1,113 @@
+//! What is wrong with a contact, or not solved yet, is told with its key.
+
+use super::scenes::{between, linear};
+use crate::common::meshes::file;
+use crate::common::scenes::{HELD_IN_PLANE, obstacle, plane, support};
+use signorini::scene::{SceneError, SceneKind};
+use signorini::{Plan, Scene};
+
+fn scene() -> Scene {
+    Scene {
+        supports: vec![
+            support("a_bot", HELD_IN_PLANE),
+            support("b_top", HELD_IN_PLANE),
+        ],
+        contacts: between("b_bot", "a_top"),
+        ..linear([("a", 1.0), ("b", 2.0)])
+    }
+}
+
+/// Path and message of the first fault.
+fn fault(change: impl FnOnce(&mut Scene)) -> (String, String) {
+    let mut scene = scene();
+    change(&mut scene);
+    let error = Plan::new(&scene, &[], &file("pair_box_6_8")).expect_err("a fault");
+    let first = match error {
+        SceneError::Invalid(all) => all.into_iter().next().expect("a fault"),
+        SceneError::Unsupported(one) => one,
+    };
+    (first.path, first.message)
+}
+
+#[test]
+fn names_and_groups_of_contacts_are_checked() {
+    let cases: [(&dyn Fn(&mut Scene), &str, &str); 5] = [
+        (
+            &|scene| scene.contacts[0].between[0] = "b_bott".to_owned(),
+            "contact.pair.between",
+            "the mesh has no group of surface facets named `b_bott`; did you mean `b_bot`?",
+        ),
+        (
+            &|scene| scene.contacts[0].carries = Some("a".to_owned()),
+            "contact.pair.carries",
+            "`a` is none of the groups `b_bot` and `a_top`",
+        ),
+        (
+            &|scene| scene.contacts[0].name = "a_bot".to_owned(),
+            "contact.a_bot.name",
+            "is that of an obstacle or a support, too",
+        ),
+        (
+            &|scene| {
+                scene.contacts[0].between[0] = "a_left".to_owned();
+                scene.contacts[0].carries = None;
+            },
+            "contact.pair.between",
+            "both groups have facets on part",
+        ),
+        (
+            &|scene| scene.kind = Some(SceneKind::PlaneStress),
+            "contact",
+            "contact between sheets is not solved yet",
+        ),
+    ];
+    for (change, path, message) in cases {
+        let found = fault(change);
+        assert_eq!(found.0, path, "{}", found.1);
+        assert!(found.1.starts_with(message), "{}", found.1);
+    }
+}
+
+#[test]
+fn a_body_that_contact_alone_holds_is_refused() {
+    let (path, message) = fault(|scene| {
+        scene.supports.pop();
+    });
+    assert_eq!(path, "support");
+    assert!(message.contains("contact alone holds"), "{message}");
+}
+
+#[test]
+fn a_plan_says_who_carries_and_why() {
+    let mut scene = scene();
+    scene.contacts[0].carries = None;
+    let mut said = |change: &dyn Fn(&mut Scene)| {
+        change(&mut scene);
+        let plan = Plan::new(&scene, &[], &file("pair_box_6_8")).expect("a valid scene");
+        let entries = plan.report().decisions;
+        let own = entries
+            .into_iter()
+            .find(|entry| entry.what == "contact pair");
+        let own = own.expect("an entry");
+        format!("{}: {}", own.choice, own.reason)
+    };
+    let finer = said(&|_| {});
+    assert!(
+        finer.ends_with("bodies are alike, its faces are smaller"),
+        "{finer}"
+    );
+    let softer =
+        said(&|scene| scene.materials[0] = linear([("a", 0.1), ("b", 2.0)]).materials[0].clone());
+    assert_eq!(
+        softer,
+        "`a_top` carries 13 pressures, gaps by volume: it is the softer one"
+    );
+    let tool = said(&|scene| {
+        scene.obstacles = vec![obstacle(
+            "wall",
+            "a_left",
+            plane([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+        )];
+    });
+    assert_eq!(tool, softer);
+}
