@@ -36,8 +36,9 @@ fn main() -> Outcome<()> {
 }
 
 /// Messages that become JSON as they are.
-const SERIALISED: [&str; 23] = [
+const SERIALISED: [&str; 24] = [
     "Attempt",
+    "BodyContactResult",
     "CauseSite",
     "ContactInterval",
     "FluidResult",
@@ -106,6 +107,10 @@ fn serialised(mut builder: Builder) -> Builder {
         .field_attribute(
             "signorini.v1.StepReport.goals_refused",
             "#[serde(skip_serializing_if = \"Option::is_none\")]",
+        )
+        .field_attribute(
+            "signorini.v1.StepReport.contacts",
+            "#[serde(skip_serializing_if = \"std::collections::BTreeMap::is_empty\")]",
         )
 }
 

@@ -14,6 +14,7 @@ from ._encode import field_names
 from .errors import FieldError, GoalError, NotConvergedError
 from .mesh import Mesh
 from .reports import (
+    BodyContactResult,
     FluidResult,
     GoalResult,
     IterationReport,
@@ -97,6 +98,11 @@ class Increment:
     def fluids(self) -> Mapping[str, FluidResult]:
         """What each fluid does, and how near it is to a leak."""
         return dict(sorted(self.report.fluids.items()))
+
+    @property
+    def contacts(self) -> Mapping[str, BodyContactResult]:
+        """What bodies do to each other, by the names of their contacts."""
+        return dict(sorted(self.report.contacts.items()))
 
     def leak_path(self, fluid: str) -> tuple[Field, Field] | None:
         """Points of the path on which a fluid leaks first, [points, 3], and the pressure at each, [points].
@@ -203,6 +209,11 @@ class Solution(Sequence[Increment]):
         """What each fluid does at the end, and how near it is to a leak."""
         return self.last.fluids
 
+    @property
+    def contacts(self) -> Mapping[str, BodyContactResult]:
+        """What bodies do to each other at the end, by the names of their contacts."""
+        return self.last.contacts
+
     def leak_path(self, fluid: str) -> tuple[Field, Field] | None:
         """The path on which a fluid leaks first at the end; see `Increment.leak_path`."""
         return self.last.leak_path(fluid)
@@ -303,6 +314,9 @@ OF_CONTACT = (
 )
 """Numbers of an obstacle in the table."""
 
+BETWEEN_BODIES = ("contact_area", "contact_width", "mean_pressure", "peak_pressure")
+"""Numbers of a contact between bodies in the table."""
+
 OF_FLUID = ("pressure", "tightness", "blow_off_low", "blow_off_high", "wet_area", "conductance", "flow_rate")
 OF_LEAK = ("margin", "margin_over_pressure", "sealed_width")
 """What the table says of a fluid, and of its leak path."""
@@ -327,6 +341,10 @@ def row(increment: Increment) -> dict[str, Any]:
         if goal.bound is not None:
             cells |= {f"goal.{name}.bound": goal.bound.total, f"goal.{name}.estimate": goal.bound.estimate}
         cells |= {f"goal.{name} by {key}": value for key, value in sorted(goal.derivatives.items())}
+    for name, contact in increment.contacts.items():
+        for axis, value in zip("xyz", contact.force.tolist(), strict=False):
+            cells[f"contact.{name}.force_{axis}"] = value
+        cells |= {f"contact.{name}.{key}": getattr(contact, key) for key in BETWEEN_BODIES}
     more = ("strain_energy", "volume_ratio", "min_jacobian", "max_penetration", "error_estimate")
     cells |= {name: getattr(report, name) for name in (*more, "krylov_iterations")}
     return {**cells, "seconds": report.seconds.total}

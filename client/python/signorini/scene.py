@@ -27,6 +27,7 @@ Given = Values | npt.NDArray[Any] | str | Path
 #: Key of scene files for a field of these classes that has another name.
 KEYS = {"materials": "material", "supports": "support", "tractions": "traction", "pressures": "pressure"}
 KEYS |= {"obstacles": "obstacle", "steps": "step", "probes": "probe", "fluids": "fluid", "gradients": "gradient"}
+KEYS |= {"contacts": "contact"}
 
 
 class Part:
@@ -387,6 +388,15 @@ class Pressure(Part):
 
 
 @dataclass(kw_only=True)
+class BodyContact(Part):
+    """Two groups of facets of different bodies that may touch and leave each other, without friction."""
+
+    name: str
+    between: Sequence[str]
+    carries: str | None = None
+
+
+@dataclass(kw_only=True)
 class Fluid(Part):
     """A fluid that creeps in from the wet surfaces `source` and must not reach those that are `dry`."""
 
@@ -556,6 +566,7 @@ class Scene(Part):
     fluids: Sequence[Fluid | Mapping[str, Any]] = ()
     gradients: Sequence[Gradient | Mapping[str, Any]] = ()
     accuracy: Accuracy | Mapping[str, Any] | None = None
+    contacts: Sequence[BodyContact | Mapping[str, Any]] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The tables of a scene file; a `Mesh` stays as it is."""

@@ -42,6 +42,7 @@ CLASSES = [
     (s.Traction, scene_pb2.Traction, set(), set()),
     (s.Pressure, scene_pb2.Pressure, set(), set()),
     (s.Fluid, scene_pb2.Fluid, {"source"}, {"from"}),
+    (s.BodyContact, scene_pb2.BodyContact, set(), set()),
     (s.Obstacle, scene_pb2.Obstacle, set(), set()),
     (s.Probe, scene_pb2.Probe, set(), set()),
     (s.Gradient, scene_pb2.Gradient, set(), set()),
@@ -78,6 +79,7 @@ def filled(kind: Any) -> dict[str, Any]:
     words = {"formulation": "mixed", "profile": "parabolic", "name": "n", "on": ["a", "b"], "surface": "smooth"}
     words |= {"of": ["force.n.x"], "to": "load", "bound": "force.n.x"}
     words |= {"file": "tool.stl", "weld": 1e-4, "source": ["a"], "dry": "c", "film": "squeezed-out"}
+    words |= {"between": ["a", "b"], "carries": "b"}
     return kind(**{**values, **{key: word for key, word in words.items() if key in values}}).as_dict()
 
 
@@ -103,6 +105,7 @@ def scene() -> dict[str, Any]:
         "traction": [{"on": "a", "value": [1, 2, 3]}],
         "pressure": [filled(s.Pressure)],
         "fluid": [filled(s.Fluid), {"name": "m", "on": "a", "from": "b", "threshold": "fluid"}],
+        "contact": [filled(s.BodyContact), {"name": "m", "between": ["a", "b"]}],
         "obstacle": [{**obstacle, "shape": filled(kind)} for kind in shapes],
         "probe": [filled(s.Probe)],
         "gradient": [filled(s.Gradient)],

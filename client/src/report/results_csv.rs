@@ -16,6 +16,14 @@ use crate::terminal::whole_file;
 /// Name of the file in a folder of results.
 pub(crate) const FILE: &str = "results.csv";
 
+/// What is told of a contact between bodies after its force.
+const OF_CONTACT: [&str; 4] = [
+    "contact_area",
+    "contact_width",
+    "mean_pressure",
+    "peak_pressure",
+];
+
 /// What is told of a fluid before its force.
 const OF_FLUID: [&str; 10] = [
     "pressure",
@@ -50,6 +58,7 @@ struct Columns {
     fluids: Vec<String>,
     /// Goals, whether their error is bounded, and what they are differentiated by.
     goals: Vec<(String, bool, Vec<String>)>,
+    contacts: Vec<String>,
 }
 
 impl ResultsCsv {
@@ -98,6 +107,7 @@ impl Columns {
             probes: report.probes.keys().cloned().collect(),
             fluids: report.fluids.keys().cloned().collect(),
             goals: report.goals.iter().map(of_goal).collect(),
+            contacts: report.contacts.keys().cloned().collect(),
         }
     }
 
@@ -154,6 +164,12 @@ impl Columns {
             let parameters = parameters.iter();
             header.extend(parameters.map(|parameter| format!("goal.{name} by {parameter}")));
         }
+        for name in &self.contacts {
+            header.extend(AXES.map(|axis| format!("contact.{name}.force_{axis}")));
+            header.extend(AXES.map(|axis| format!("contact.{name}.moment_{axis}")));
+            header.extend(OF_CONTACT.map(|column| format!("contact.{name}.{column}")));
+            header.extend(AXES.map(|axis| format!("contact.{name}.peak_pressure_{axis}")));
+        }
         header
     }
 
@@ -201,6 +217,9 @@ impl Columns {
         for columns in &self.goals {
             row.extend(answered(columns, report.goals.get(&columns.0)));
         }
+        for name in &self.contacts {
+            row.extend(between_bodies(report.contacts.get(name)));
+        }
         row
     }
 }
@@ -242,6 +261,23 @@ fn contact(obstacle: Option<&v1::ObstacleResult>) -> Vec<String> {
     ];
     let place = obstacle.map(|result| result.peak_pressure_place.as_slice());
     numbers.map(cell).into_iter().chain(three(place)).collect()
+}
+
+/// A contact between bodies, in the order of its columns.
+fn between_bodies(contact: Option<&v1::BodyContactResult>) -> Vec<String> {
+    let numbers = [
+        contact.map(|result| result.contact_area),
+        contact.map(|result| result.contact_width),
+        contact.and_then(|result| result.mean_pressure),
+        contact.map(|result| result.peak_pressure),
+    ];
+    let mut row = three(contact.map(|result| result.force.as_slice())).to_vec();
+    row.extend(three(contact.map(|result| result.moment.as_slice())));
+    row.extend(numbers.map(cell));
+    row.extend(three(
+        contact.map(|result| result.peak_pressure_place.as_slice()),
+    ));
+    row
 }
 
 /// A fluid, in the order of its columns.

@@ -1,4 +1,4 @@
-//! Obstacles: what they stand on and what shape they have.
+//! Obstacles: what they stand on and what shape they have. Contacts between bodies.
 
 use signorini_proto::v1;
 
@@ -17,6 +17,17 @@ const PENETRATIONS: &[(&str, v1::InitialPenetration)] = &[
     ("resolve", v1::InitialPenetration::Resolve),
     ("reject", v1::InitialPenetration::Reject),
 ];
+
+/// Contacts between bodies.
+pub(super) fn contacts(scene: &Keys<'_>) -> Vec<v1::BodyContact> {
+    let tables = scene.tables("contact", &["name", "between", "carries"]);
+    let contact = |(index, keys): (usize, &Keys<'_>)| v1::BodyContact {
+        name: name_of(keys, "contact", index),
+        between: keys.required_names("between"),
+        carries: keys.text("carries").unwrap_or_default(),
+    };
+    tables.iter().enumerate().map(contact).collect()
+}
 
 pub(super) fn obstacles(scene: &Keys<'_>) -> Vec<v1::Obstacle> {
     let tables = scene.tables(

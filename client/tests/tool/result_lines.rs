@@ -200,6 +200,42 @@ fn goals_are_told_with_bounds_and_derivatives_and_scenes_without_have_no_word_of
 }
 
 #[test]
+fn contacts_between_bodies_are_told_and_scenes_without_have_no_word_of_them() {
+    assert!(result_line::step(&report()).get("contacts").is_none());
+    let seat = v1::BodyContactResult {
+        force: vec![0.0, 2.5, 0.0],
+        moment: vec![0.0, 0.0, 0.5],
+        contact_area: 0.5,
+        contact_width: 0.5,
+        contact_intervals: vec![v1::ContactInterval {
+            start: vec![0.0; 3],
+            end: vec![0.5, 0.0, 0.0],
+            width: 0.5,
+            force: vec![0.0, 2.5, 0.0],
+        }],
+        mean_pressure: Some(5.0),
+        peak_pressure: 7.0,
+        peak_pressure_place: vec![0.25, 0.0, 0.0],
+    };
+    let open = v1::BodyContactResult {
+        force: vec![0.0; 3],
+        moment: vec![0.0; 3],
+        ..Default::default()
+    };
+    let line = result_line::step(&v1::StepReport {
+        contacts: BTreeMap::from([("seat".to_owned(), seat), ("gap".to_owned(), open)]),
+        ..report()
+    });
+    assert_matches(&line);
+    let contacts = &line["contacts"];
+    assert_eq!(
+        contacts["seat"]["contact_intervals"][0]["width"],
+        json!(0.5)
+    );
+    assert_eq!(contacts["gap"]["mean_pressure"], Value::Null);
+}
+
+#[test]
 fn the_schema_refuses_missing_unknown_and_mistyped_keys() {
     let schema = result_lines();
     for (key, value) in [

@@ -120,6 +120,19 @@ fn load_step() -> wire::LoadStep {
     }
 }
 
+/// Every key of a contact between bodies.
+fn paired_scene(mesh: &Mesh) -> wire::Scene {
+    let seat = wire::BodyContact {
+        name: "seat".into(),
+        between: vec!["top".into(), "base".into()],
+        carries: "base".into(),
+    };
+    wire::Scene {
+        contacts: vec![seat],
+        ..good_scene(mesh)
+    }
+}
+
 /// Every key of a fluid, and both that a step may ask of it.
 fn wet_scene(mesh: &Mesh) -> wire::Scene {
     use wire::fluid_target::Load;
@@ -354,6 +367,7 @@ fn every_scene_is_planned_or_refused() {
         rubber_scene(&mesh),
         foam_scene(&mesh),
         wet_scene(&mesh),
+        paired_scene(&mesh),
         later_scene(&mesh),
     ];
     assert_eq!(planned(seeds[0].clone(), &mesh), Ok(()));

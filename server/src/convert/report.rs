@@ -3,9 +3,10 @@
 use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
-    Attempt, Cause, CauseSite, ContactInterval, FluidResult, GoalReport, IterationRecord,
-    LeakPathResult, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals, Seconds, Snapped,
-    Stability, StepReport, Strategy, SupportResult, Termination, Tightness, Unknowns, Warning,
+    Attempt, BodyContactResult, Cause, CauseSite, ContactInterval, FluidResult, GoalReport,
+    IterationRecord, LeakPathResult, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals,
+    Seconds, Snapped, Stability, StepReport, Strategy, SupportResult, Termination, Tightness,
+    Unknowns, Warning,
 };
 use signorini_proto::v1 as wire;
 
@@ -54,6 +55,7 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         fluids: by_name(report.fluids, fluid),
         goals: report.goals.into_iter().map(goal).collect(),
         goals_refused: report.goals_refused,
+        contacts: by_name(report.contacts, between_bodies),
         error_estimate: report.error_estimate,
         errors: report.errors.map(errors),
         seconds: Some(seconds(report.seconds)),
@@ -320,6 +322,20 @@ fn probe(value: ProbeResult) -> wire::ProbeResult {
     wire::ProbeResult {
         displacement: value.displacement.to_vec(),
         pressure: value.pressure,
+    }
+}
+
+fn between_bodies(value: BodyContactResult) -> wire::BodyContactResult {
+    let place = value.peak_pressure_place;
+    wire::BodyContactResult {
+        force: value.force.to_vec(),
+        moment: value.moment.to_vec(),
+        contact_area: value.contact_area,
+        contact_width: value.contact_width,
+        contact_intervals: value.contact_intervals.iter().map(interval).collect(),
+        mean_pressure: value.mean_pressure,
+        peak_pressure: value.peak_pressure,
+        peak_pressure_place: place.map(|place| place.to_vec()).unwrap_or_default(),
     }
 }
 

@@ -7,7 +7,9 @@ use serde_json::Value;
 use signorini_proto::v1;
 
 use super::fluid::{self, Leak, Wet};
-use super::lines::{Goal, Interval, Iteration, Lines, Obstacle, Step, Support, Warning};
+use super::lines::{
+    BodyContact, Goal, Interval, Iteration, Lines, Obstacle, Step, Support, Warning,
+};
 use super::surface::Picture;
 use crate::report::path_csv;
 use crate::report::table::{self, cause};
@@ -92,6 +94,7 @@ struct Row {
     goals: BTreeMap<String, Goal>,
     #[serde(skip_serializing_if = "Option::is_none")]
     goals_refused: Option<String>,
+    contacts: BTreeMap<String, BodyContact>,
 }
 
 /// An obstacle in one increment.
@@ -233,6 +236,7 @@ fn row(step: &Step, travels: &Travels) -> Row {
         fluids: fluid::wet(&step.fluids),
         goals: step.goals.clone(),
         goals_refused: step.goals_refused.clone(),
+        contacts: step.contacts.clone(),
     }
 }
 

@@ -52,6 +52,7 @@ pub(super) struct Step {
     pub(super) fluids: BTreeMap<String, Fluid>,
     pub(super) goals: BTreeMap<String, Goal>,
     pub(super) goals_refused: Option<String>,
+    pub(super) contacts: BTreeMap<String, BodyContact>,
     pub(super) error_estimate: Option<f64>,
     pub(super) seconds: Seconds,
 }
@@ -122,6 +123,17 @@ pub(super) struct Probe {
     #[serde(deserialize_with = "numbers")]
     pub(super) displacement: Vec<f64>,
     pub(super) pressure: Option<f64>,
+}
+
+/// A contact between bodies, as the page shows it too.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub(super) struct BodyContact {
+    #[serde(deserialize_with = "numbers")]
+    pub(super) force: Vec<f64>,
+    pub(super) contact_width: Option<f64>,
+    pub(super) mean_pressure: Option<f64>,
+    pub(super) peak_pressure: Option<f64>,
 }
 
 /// A fluid.

@@ -63,6 +63,11 @@ function cards(last) {
   for (const [name, [motion, pressure]] of Object.entries(last.probes)) {
     all.push(card(`probe ${name}`, vector(motion), "displacement", pressure == null ? null : `pressure ${num(pressure)}`));
   }
+  for (const [name, one] of Object.entries(last.contacts)) {
+    all.push(card(`contact ${name}`, `force ${vector(one.force)}`, "on the body named first",
+      one.mean_pressure == null ? "no contact" : `width ${behind(num(one.contact_width), unit("length"))}, pressure ` +
+        `${behind(num(one.mean_pressure), unit("stress"))} in the mean, ${behind(num(one.peak_pressure), unit("stress"))} at most`));
+  }
   for (const [name, one] of Object.entries(last.fluids)) all.push(card(...fluidCard(name, one)));
   if (last.error != null) all.push(card("error estimate", percent(last.error), "of the deformation, in energy: what the mesh leaves out"));
   if (Object.keys(last.obstacles).length) {

@@ -176,6 +176,32 @@ fn a_page_says_whether_a_fluid_leaks_and_where() {
 }
 
 #[test]
+fn a_page_says_what_bodies_do_to_each_other() {
+    let folder = folder("contacts");
+    let seat = v1::BodyContactResult {
+        force: vec![0.0, 2.5, 0.0],
+        contact_width: 0.5,
+        mean_pressure: Some(5.0),
+        peak_pressure: 7.0,
+        ..Default::default()
+    };
+    let pressed = v1::StepReport {
+        contacts: BTreeMap::from([("seat".to_owned(), seat)]),
+        ..report("ball")
+    };
+    let line = format!("{}\n", result_line::step(&pressed));
+    std::fs::write(folder.join(LINES), line).unwrap();
+    let page = std::fs::read_to_string(write(&folder).unwrap()).unwrap();
+    let seat = &data(&page)["steps"][0]["contacts"]["seat"];
+    assert_eq!(seat["force"], serde_json::json!([0.0, 2.5, 0.0]));
+    assert_eq!(
+        (&seat["mean_pressure"], &seat["peak_pressure"]),
+        (&5.0.into(), &7.0.into())
+    );
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
 fn a_page_asks_for_nothing_and_no_name_ends_its_data() {
     let folder = folder("names");
     write_results(&folder, "</script><script>alert(1)", "{{script}}<b>");

@@ -1,4 +1,4 @@
-//! Whether fluids leak, in words.
+//! Whether fluids leak, and how bodies touch each other, in words.
 
 use signorini_proto::v1;
 
@@ -25,6 +25,25 @@ pub(super) fn fluids(lines: &mut Lines, report: &v1::StepReport) {
                 &format!("flow rate {}, {} for a unit of pressure", told[0], told[1]),
             );
         }
+    }
+}
+
+/// What bodies do to each other.
+pub(super) fn contacts(lines: &mut Lines, report: &v1::StepReport) {
+    for (name, contact) in &report.contacts {
+        let force = format!("force {}", vector(&contact.force));
+        lines.add(&format!("contact {name}"), &force);
+        let said = match contact.mean_pressure {
+            None => "no contact".to_owned(),
+            Some(mean) => format!(
+                "width {}, mean pressure {}, largest {} at {}",
+                number(contact.contact_width),
+                number(mean),
+                number(contact.peak_pressure),
+                vector(&contact.peak_pressure_place)
+            ),
+        };
+        lines.add("", &said);
     }
 }
 

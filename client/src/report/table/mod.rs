@@ -62,6 +62,7 @@ pub(crate) fn results(
         lines.add("scene", &plan.name);
         increment::outcome(&mut lines, last);
         increment::loads(&mut lines, last, travels);
+        fluid::contacts(&mut lines, last);
         fluid::fluids(&mut lines, last);
         goals::goals(&mut lines, last);
         increment::quantities(&mut lines, last);

@@ -1,7 +1,7 @@
 //! What acts on the surface of the body: supports, loads, obstacles.
 
 use signorini::scene::{
-    Obstacle, PenetrationPolicy, Pressure, Profile, Support, SupportLoad, Traction,
+    ContactPair, Obstacle, PenetrationPolicy, Pressure, Profile, Support, SupportLoad, Traction,
 };
 use signorini_proto::v1 as wire;
 
@@ -24,6 +24,29 @@ pub(super) fn names(groups: Vec<String>, path: String, faults: &mut Faults) -> V
     faults.at_most(&groups, MAXIMUM_GROUPS, &path);
     let names = groups.into_iter().take(MAXIMUM_GROUPS);
     names.map(|name| faults.name(&name, &path)).collect()
+}
+
+pub(super) fn contact(
+    message: wire::BodyContact,
+    index: usize,
+    faults: &mut Faults,
+) -> ContactPair {
+    let path = named("contact", &message.name, index);
+    let key = format!("{path}.between");
+    let count = message.between.len();
+    if count != 2 {
+        faults.add(
+            &key,
+            format!("names {count} surface groups in the place of two"),
+        );
+    }
+    let mut groups = names(message.between, key, faults).into_iter();
+    ContactPair {
+        name: faults.name(&message.name, &path),
+        between: [0, 1].map(|_| groups.next().unwrap_or_default()),
+        carries: (!message.carries.is_empty())
+            .then(|| faults.name(&message.carries, &format!("{path}.carries"))),
+    }
 }
 
 pub(super) fn support(message: wire::Support, index: usize, faults: &mut Faults) -> Support {
