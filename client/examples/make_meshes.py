@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Meshes of the seals and soft tools: o-ring, bush, lip, stopper, finger, tyre, belt, gripper, of the seals that fluids
-press (seal-ring, lip-seal, syringe, kiss-seal), and the surface of the egg that the gripper meets.
+press (seal-ring, lip-seal, syringe, kiss-seal), of the rollers, and the surface of the egg that the gripper meets.
 usage: make_meshes.py [OUTDIR [FACTOR OF THE SIZES OF THOSE SEALS]]
 
 Needs `pip install gmsh numpy`. Lengths in millimetres.
@@ -23,9 +23,10 @@ def points(places, size):
 
 
 def write(name, surface, groups, order=1):
-    """Meshes `surface` and writes it with its groups of curves."""
+    """Meshes `surface`, or several by the names of their bodies, and writes it with its groups of curves."""
     PLANE.synchronize()
-    gmsh.model.addPhysicalGroup(2, [surface], name="rubber")
+    for body, one in (surface if isinstance(surface, dict) else {"rubber": surface}).items():
+        gmsh.model.addPhysicalGroup(2, [one], name=body)
     for group, curves in groups.items():
         gmsh.model.addPhysicalGroup(1, curves, name=group)
     gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
@@ -230,7 +231,24 @@ def egg():
 
 
 egg()
-for make in (o_ring, bush, lip, stopper, finger, tyre, belt, gripper, seal_ring, lip_seal, syringe, kiss_seal):
+def rollers():
+    """Sections of two rollers of 40 mm on shafts of 24 mm, one above the other; cells are small where they touch."""
+    bodies, groups = {}, {}
+    for name, sign, size in (("upper", 1, 0.5), ("lower", -1, 0.7)):
+        middle = PLANE.addPoint(0, 20 * sign, 0, 3)
+        at = lambda radius, angle, size: PLANE.addPoint(radius * math.sin(angle), sign * (20 - radius * math.cos(angle)), 0, size)
+        loops = {}
+        for part, radius, sizes in (("skin", 20, (size, 5, 5, 5)), ("bore", 12, (2, 4, 4, 4))):
+            ends = [at(radius, 0.5 * math.pi * quarter, one) for quarter, one in enumerate(sizes)]
+            near = [at(20, angle, size) for angle in (0.25, -0.25)] if part == "skin" else []
+            ends = ends[:1] + near[:1] + ends[1:] + near[1:]
+            loops[part] = [PLANE.addCircleArc(a, middle, b) for a, b in zip(ends, ends[1:] + ends[:1])]
+            groups[f"{name}-{part}"] = loops[part]
+        bodies[name] = PLANE.addPlaneSurface([PLANE.addCurveLoop(loops[part]) for part in ("skin", "bore")])
+    write("rollers", bodies, groups, order=2)
+
+
+for make in (o_ring, bush, lip, stopper, finger, tyre, belt, gripper, seal_ring, lip_seal, syringe, kiss_seal, rollers):
     gmsh.initialize(["-v", "2"])
     make()
     gmsh.finalize()

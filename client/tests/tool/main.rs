@@ -5,6 +5,7 @@ mod common;
 
 mod adapted;
 mod bench;
+mod bodies;
 mod cli;
 mod contact_patch;
 mod contact_path;

@@ -1,0 +1,54 @@
+//! The example of two soft bodies: forces in balance, what is told of their contact, and the files.
+
+use serde_json::Value;
+
+use crate::common::schema::{fault, result_lines};
+use crate::common::{example, folder, run};
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| unreachable!("{value}"))
+}
+
+#[test]
+fn two_rollers_flatten_against_each_other_and_the_files_say_how_far() {
+    let folder = folder("rollers");
+    let scene = example("rollers.toml");
+    let out = ["--out", folder.to_str().unwrap()];
+    let arguments = ["solve", scene.to_str().unwrap(), "--json"];
+    let run = run(arguments.into_iter().chain(out));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let schema = result_lines();
+    for line in run.lines() {
+        assert_eq!(fault(&schema, &line), None, "{line}");
+    }
+    let steps = run.events("step");
+    let last = steps.last().unwrap();
+    let nip = &last["contacts"]["nip"];
+    let pushed = number(&nip["force"][1]);
+    let [shaft, bearing] =
+        ["shaft", "bearing"].map(|name| number(&last["supports"][name]["force"][1]));
+    // The upper roller is named first: what the lower one does to it, its shaft takes.
+    assert!((pushed + shaft).abs() < 1e-5 * pushed, "{pushed} {shaft}");
+    assert!((shaft + bearing).abs() < 1e-5 * pushed, "{shaft} {bearing}");
+    let intervals = nip["contact_intervals"].as_array().unwrap();
+    assert_eq!(intervals.len(), 1);
+    let width = number(&nip["contact_width"]);
+    assert!((number(&intervals[0]["width"]) - width).abs() < 1e-9 * width);
+    let mean = pushed / width;
+    assert!(
+        (number(&nip["mean_pressure"]) / mean - 1.0).abs() < 0.02,
+        "{nip}"
+    );
+    assert!(number(&nip["peak_pressure"]) > mean);
+    // The nip lies on the line between the shafts.
+    assert!(number(&nip["peak_pressure_place"][0]).abs() < 0.3, "{nip}");
+    let table = std::fs::read_to_string(folder.join("results.csv")).unwrap();
+    assert!(
+        table
+            .lines()
+            .next()
+            .unwrap()
+            .contains("contact.nip.peak_pressure_y")
+    );
+    assert!(run.stderr.contains("contact nip") || run.stdout.contains("nip"));
+}
