@@ -151,7 +151,8 @@ impl Friction {
         };
         let (mut points, mut partners) = (Vec::new(), Vec::new());
         let mut surfaces = Vec::new();
-        let (obstacles, guides) = list.split_at(plan.problem.obstacles.len());
+        let (obstacles, others) = list.split_at(plan.problem.obstacles.len());
+        let guides = &others[plan.problem.pairs.len()..];
         let guided = guided(guides.iter().map(|(_, surface)| *surface));
         for (obstacle, (multipliers, surface)) in obstacles.iter().enumerate() {
             if !plan.problem.obstacles[obstacle].is_frictional {
