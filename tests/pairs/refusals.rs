@@ -17,6 +17,9 @@ fn scene() -> Scene {
     }
 }
 
+/// A change of a scene.
+type Change<'a> = &'a dyn Fn(&mut Scene);
+
 /// Path and message of the first fault.
 fn fault(change: impl FnOnce(&mut Scene)) -> (String, String) {
     let mut scene = scene();
@@ -31,7 +34,7 @@ fn fault(change: impl FnOnce(&mut Scene)) -> (String, String) {
 
 #[test]
 fn names_and_groups_of_contacts_are_checked() {
-    let cases: [(&dyn Fn(&mut Scene), &str, &str); 5] = [
+    let cases: [(Change<'_>, &str, &str); 5] = [
         (
             &|scene| scene.contacts[0].between[0] = "b_bott".to_owned(),
             "contact.pair.between",

@@ -150,12 +150,12 @@ fn rings_of_rubber_shrink_onto_each_other_by_the_closed_solution() {
                 let report = shrunk(scene, along, radii, carrier);
                 let mean = report.contacts["pair"].mean_pressure.expect("contact");
                 let found = even(&report, radius);
-                assert!(report.sqp_iterations <= 5, "{}", report.sqp_iterations);
+                assert!(report.sqp_iterations <= 6, "{}", report.sqp_iterations);
                 assert!((mean / found - 1.0).abs() < 1e-4, "{mean} {found}");
                 found / exact - 1.0
             });
             assert!(
-                errors[1].abs() < 2e-4,
+                errors[1].abs() < 1e-4,
                 "{skin} {moduli:?} {carrier:?} {errors:?}"
             );
         }
