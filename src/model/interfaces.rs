@@ -32,7 +32,7 @@ use crate::element::quadrature::Rule;
 use crate::geometry::RigidMotion;
 use crate::mesh::Mesh;
 use crate::obstacle::{Moving, Obstacle};
-use crate::pairs::PairSurface;
+use crate::pairs::{PairSurface, Section};
 use crate::plan::Plan;
 use crate::plan::pairs::PlannedPair;
 use crate::plan::surfaces::ContactLayout;
@@ -334,7 +334,12 @@ fn of_pair(
     let bare = surface(plan, mesh, space, &facets);
     let surface = bare.with_layout(&Bernstein, planned.layout.clone());
     let sides = [&pair.carrier[..], &pair.other[..]];
-    let meets = PairSurface::new((mesh, space), sides, &surface);
+    let section = if plan.is_axisymmetric() {
+        Section::AboutAxis
+    } else {
+        Section::Plane
+    };
+    let meets = PairSurface::new((mesh, space), sides, (&surface, section));
     Interface {
         name: pair.name.clone(),
         surface,

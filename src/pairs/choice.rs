@@ -5,7 +5,9 @@
 //! meets from outside, within the reach. The choice is by values alone; derivatives are taken with the
 //! topology as it is. Cost: one cubic a vertex and one ray a part and face among the candidates.
 
-use super::piece::{End, Face, Piece, cross, dot, meeting, minus, point, slope, to_the_right};
+use super::piece::{
+    End, Face, Piece, Section, cross, dot, meeting, minus, point, slope, to_the_right,
+};
 
 /// Pieces shorter than this share of a face are left out.
 const SHORTEST: f64 = 1e-12;
@@ -71,7 +73,13 @@ pub(super) fn pieces(
     }
     let piece = |(partner, run): (usize, [f64; 2])| {
         let ends = run.map(|s| end(s, partner, &breaks));
-        (partner, Piece { beside, ends })
+        let section = Section::Plane;
+        let piece = Piece {
+            section,
+            beside,
+            ends,
+        };
+        (partner, piece)
     };
     runs.into_iter().map(piece).collect()
 }
@@ -187,7 +195,7 @@ pub(super) fn gap_to(face: &Face<f64>, s: f64, partner: &Partner) -> Option<f64>
     let other = slope(partner.nodes, r);
     let size = dot(n, n).sqrt();
     let cosine = cross(n, other) / (size * dot(other, other).sqrt());
-    let [gap, _] = face.gap(s, partner.nodes, r);
+    let gap = face.gap(s, partner.nodes, r);
     (cosine <= -GRAZING).then_some(gap * size)
 }
 

@@ -12,7 +12,7 @@
 //! the gap, which stays what it is, so that it has no second variation whatever its size; Lam is the
 //! Cauchy pressure on both surfaces. Rays are cut where their partner ends (segments), so that every
 //! integral is one of smooth functions. Forces are derivatives of objective gaps: their sum and their
-//! moment vanish. So far in the plane.
+//! moment vanish. In the plane and about an axis.
 //!
 //! | file | part |
 //! |---|---|
@@ -40,6 +40,7 @@ pub mod tree;
 
 pub use chain::{Chain, ChainFace};
 pub use pair::{Meeting, Pair, Part, Placed, Probe};
+pub use piece::Section;
 pub use surface::{PairForce, PairSurface};
 
 #[cfg(test)]

@@ -9,11 +9,14 @@
 //! come in their order. Cost, in one thread: 2 us a face to find partners; of a piece 0.3 us for values,
 //! 30 us for first derivatives and 0.45 ms for second ones, which only faces under pressure need.
 
+use std::f64::consts::TAU;
+
 use super::chain::{Chain, ChainFace};
 use super::choice::{Partner, Reach, pieces};
 use super::number::{First, Number, Second};
 use super::piece::{
-    Face, INPUTS, NODES, NodePlaces, Piece, bernstein, dot, meeting, point, slope, to_the_right,
+    Face, INPUTS, NODES, NodePlaces, Piece, Section, bernstein, dot, meeting, point, slope,
+    to_the_right,
 };
 use super::tree::{Bounds, BoxTree};
 use crate::element::quadrature::{Simplex, rule};
@@ -36,6 +39,8 @@ pub struct Pair {
     pub carrier: Chain,
     /// The other one.
     pub other: Chain,
+    /// What the plane is a section of.
+    pub section: Section,
 }
 
 /// A part of a face with its partner.
@@ -143,7 +148,10 @@ impl Pair {
         let meeting = |(partner, piece): (usize, Piece)| Meeting {
             face,
             other: near[partner] as usize,
-            piece,
+            piece: Piece {
+                section: self.section,
+                ..piece
+            },
         };
         pieces.map(meeting).collect()
     }
@@ -207,6 +215,10 @@ impl Placed<'_> {
             let s = first + at * (last - first);
             let along = slope(nodes, s);
             let length = weight * (last - first) * dot(along, along).sqrt();
+            let length = match self.pair.section {
+                Section::Plane => length,
+                Section::AboutAxis => length * TAU * point(nodes, s)[0],
+            };
             let values = bernstein(s);
             sums.iter_mut()
                 .zip(values)
@@ -229,7 +241,7 @@ impl Placed<'_> {
             Some(Probe {
                 s,
                 r,
-                distance: face.gap(s, other, r)[0] * dot(tangent, tangent).sqrt(),
+                distance: face.gap(s, other, r) * dot(tangent, tangent).sqrt(),
                 length: weight * (last - first) * dot(along, along).sqrt(),
             })
         };

@@ -15,10 +15,18 @@
 //! T(s).(x(s) - y(r_v)) = 0
 //! ```
 //!
+//! About an axis a ds is the volume of the full turn, with (x + t n)_1 the radius on the ray:
+//!
+//! ```text
+//! a = 2 pi int (x + t n)_1 (n x x' + t n x n') dt   from 0 to g
+//! ```
+//!
 //! Everything is written for any [`Number`]; with derivatives, roots are refined by two steps of
 //! Newton's method in these numbers, so that the derivatives are those of the sum over the points of
 //! the rule itself, the motion of its ends included. Lengths are those of the caller, G_j areas. Cost:
 //! some 80 products a point.
+
+use std::f64::consts::TAU;
 
 use super::number::Number;
 
@@ -58,9 +66,21 @@ impl End {
     }
 }
 
+/// What the plane is a section of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Section {
+    /// A body of constant section, per unit thickness.
+    #[default]
+    Plane,
+    /// A body of revolution about x = 0: volumes are those of the full turn.
+    AboutAxis,
+}
+
 /// A part of a face that has one partner.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
+    /// Of which body.
+    pub section: Section,
     /// Whether faces before a and after b take part in the normals there.
     pub beside: [bool; 2],
     /// The ends, ascending.
@@ -176,15 +196,29 @@ impl<T: Number> Face<T> {
         (0..T::STEPS).fold(T::constant(r), |r, _| step(r))
     }
 
-    /// g and a on the ray from `s` to the place `r` of the other face.
-    pub(super) fn gap(&self, s: T, other: [[T; 2]; 3], r: T) -> [T; 2] {
+    /// g on the ray from `s` to the place `r` of the other face.
+    pub(super) fn gap(&self, s: T, other: [[T; 2]; 3], r: T) -> T {
+        let [tangent, _] = self.tangent(s);
+        let n = to_the_right(tangent);
+        let apart = minus(point(other, r), point(self.nodes, s));
+        dot(n, apart) / dot(n, n)
+    }
+
+    /// a, what the ray from `s` sweeps over a gap.
+    fn area(&self, (s, gap): (T, T), section: Section) -> T {
         let [tangent, change] = self.tangent(s);
         let (n, bent) = (to_the_right(tangent), to_the_right(change));
-        let apart = minus(point(other, r), point(self.nodes, s));
-        let gap = dot(n, apart) / dot(n, n);
-        let swept = gap * cross(n, slope(self.nodes, s));
-        let turned = (gap * gap * cross(n, bent)).times(0.5);
-        [gap, swept + turned]
+        let [along, turning] = [cross(n, slope(self.nodes, s)), cross(n, bent)];
+        let swept = gap * along;
+        let turned = (gap * gap * turning).times(0.5);
+        if section == Section::AboutAxis {
+            // int 2 pi (x + t n)_1 (along + t turning) dt from 0 to g
+            let outwards =
+                (gap * gap * along).times(0.5) + (gap * gap * gap * turning).times(1.0 / 3.0);
+            let radius = point(self.nodes, s)[0];
+            return (radius * (swept + turned) + n[0] * outwards).times(TAU);
+        }
+        swept + turned
     }
 }
 
@@ -253,8 +287,8 @@ impl Piece {
                 continue;
             };
             let r = face.hit(s, other, near);
-            let [_, area] = face.gap(s, other, r);
-            see(s, weight * area);
+            let gap = face.gap(s, other, r);
+            see(s, weight * face.area((s, gap), self.section));
         }
     }
 }

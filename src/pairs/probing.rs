@@ -60,7 +60,7 @@ impl Site {
             .min_by(|a, b| away(&a.0).total_cmp(&away(&b.0)));
         let distance = nearest.and_then(|(_, other)| {
             let r = meeting(point(self.face.nodes, s), tangent, *other)?;
-            Some(self.face.gap(s, *other, r)[0] * size)
+            Some(self.face.gap(s, *other, r) * size)
         });
         (normal.map(|x| -x / size), distance.unwrap_or(reach))
     }

@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 use super::chain::Chain;
 use super::number::Second;
 use super::pair::{Pair, Placed};
-use super::piece::{INPUTS, NODES};
+use super::piece::{INPUTS, NODES, Section};
 use super::probing::Probing;
 use crate::contact::shares::add_equal_columns;
 use crate::contact::{ContactSurface, Deformed, Linearisation, Measure};
@@ -69,16 +69,28 @@ impl PairForce {
     }
 }
 
+impl PairForce {
+    /// The part along the axis of a body of revolution, which bears the rest itself.
+    fn along_axis(self) -> Self {
+        Self {
+            on_carrier: [0.0, self.on_carrier[1]],
+            on_other: [0.0, self.on_other[1]],
+            ..Self::default()
+        }
+    }
+}
+
 impl PairSurface {
     /// Of the facets `carrier`, those of `surface` in their order, and `other`.
     pub fn new(
         (mesh, space): (&Mesh, &TaylorHood),
         [carrier, other]: [&[u32]; 2],
-        surface: &ContactSurface,
+        (surface, section): (&ContactSurface, Section),
     ) -> Self {
         let pair = Pair {
             carrier: Chain::new(mesh, space, carrier),
             other: Chain::new(mesh, space, other),
+            section,
         };
         let faces = pair.carrier.faces.iter().zip(&surface.faces);
         let functions = faces.map(|(face, own)| {
@@ -245,7 +257,10 @@ impl PairSurface {
         for (node, force) in (0..).zip(&forces) {
             sum.add(body, (node, *force), others.contains(&node));
         }
-        sum
+        match self.pair.section {
+            Section::Plane => sum,
+            Section::AboutAxis => sum.along_axis(),
+        }
     }
 
     /// What points of the carrier's faces are to the other surface.

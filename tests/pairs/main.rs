@@ -1,4 +1,4 @@
-//! Stories of contact between soft bodies in the plane: patches, shrink fits, cylinders, closed boxes.
+//! Stories of contact between soft bodies in the plane and about an axis: patches, shrink fits, cylinders, closed boxes.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -10,3 +10,4 @@ mod patches;
 mod refusals;
 mod rings;
 mod scenes;
+mod tubes;

@@ -52,13 +52,12 @@ fn check_names(scene: &Scene, faults: &mut Faults) {
 /// Refuses scenes that this version does not solve with several bodies.
 fn refuse(scene: &Scene, kind: SceneKind, faults: &mut Faults) {
     let reason = match kind {
-        SceneKind::PlaneStrain => None,
+        SceneKind::PlaneStrain | SceneKind::Axisymmetric => None,
         SceneKind::PlaneStress => Some("contact between sheets is not solved yet"),
-        SceneKind::Axisymmetric => Some("contact between rings is not solved yet"),
         SceneKind::Solid => Some("contact between bodies in space is not solved yet"),
     };
     if let Some(reason) = reason {
-        let message = format!("{reason}, bodies of plane strain are");
+        let message = format!("{reason}, bodies of plane strain and of revolution are");
         faults.unsupported("contact", message);
     }
     if scene.manufactured.is_some() {
