@@ -4,6 +4,7 @@
 //! |---|---|
 //! | missed contact | distances between the points of the contact integrals, on faces without pressure, depths of cells beside all faces, of vertices that supports hold, and between the nodes of pressed faces |
 //! | untouched obstacle | no pressure, and the obstacle no farther than before |
+//! | contact that presses nowhere | no pressure between two bodies |
 //! | passed through | no pressure, and cells inside the obstacle; poses on the way at which it is inside, of one that presses deeper than one that slides |
 //! | begins inside | distances before the first increment |
 //! | free motion | rigid modes that supports leave, and no contact, or one that pushes with forces of rounding |
@@ -20,6 +21,7 @@ use std::collections::BTreeMap;
 
 use crate::model::Model;
 use crate::model::ending::Ending;
+use crate::model::interfaces::Interface;
 use crate::model::state::{Start, State};
 use crate::model::values::gradient_at;
 use crate::report::{ObstacleResult, Stability, Termination, Warning, WarningKind};
@@ -76,8 +78,28 @@ pub(crate) fn warnings(
         }
         all.extend(coarse(model, state, touch));
     }
+    all.extend(apart(model, state));
     of_the_body(model, state, ending, &mut all);
     all
+}
+
+/// Contacts between bodies that press nowhere: surfaces look for each other as far as their reach.
+fn apart<'m>(model: &'m Model<'_>, state: &'m State) -> impl Iterator<Item = Warning> + 'm {
+    let pairs = model
+        .interfaces
+        .list
+        .iter()
+        .filter(|one| one.pair().is_some());
+    let presses = |interface: &Interface| interface.places().any(|m| state.multiplier[m] > 0.0);
+    pairs.filter(move |one| !presses(one)).map(|interface| {
+        let name = &interface.name;
+        Warning::new(
+            WarningKind::UntouchedObstacle,
+            name,
+            None,
+            format!("contact `{name}` presses nowhere: its surfaces are apart, or farther from or inside each other than the reach, a quarter of the extent of the smaller one"),
+        )
+    })
 }
 
 /// A snap-through on the way, and a saddle at the end.

@@ -79,3 +79,30 @@ fn tubes_of_rubber_shrink_onto_each_other_by_the_closed_solution() {
         }
     }
 }
+
+#[test]
+fn bodies_that_overlap_by_more_than_the_reach_are_warned_of() {
+    let mut scene = Scene {
+        kind: Some(SceneKind::Axisymmetric),
+        supports: ["a_y0", "a_y1", "b_y0", "b_y1"]
+            .map(|on| support(on, [None, Some(0.0), None]))
+            .into(),
+        contacts: between("a_x1", "b_x0"),
+        ..rubber([("a_body", 1.0), ("b_body", 1.0)], None)
+    };
+    scene.solver.tolerance = 1e-10;
+    // A quarter of their height of one is the reach.
+    let report = solve_one(
+        &scene,
+        &Step::default(),
+        &tubes([10, 14], [[0.5, 1.4], [1.0, 2.0]]),
+    );
+    assert_eq!(report.contacts["pair"].mean_pressure, None);
+    let kinds: Vec<&str> = report.warnings.iter().map(|one| one.kind.name()).collect();
+    let texts: Vec<&str> = report
+        .warnings
+        .iter()
+        .map(|one| one.message.as_str())
+        .collect();
+    assert!(kinds.contains(&"untouched_obstacle"), "{texts:?}");
+}
