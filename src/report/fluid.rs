@@ -45,7 +45,8 @@ pub struct FluidResult {
     pub rounds: u32,
     /// Volume that flows in a unit of time for a unit of its pressure, per thickness in the plane,
     /// through what is open: at the state, or where it leaks in the state in which that was
-    /// seen; zero where all ways are closed, none without a viscosity.
+    /// seen; zero where all ways are closed and it is tight, none without a viscosity and of a leak through
+    /// contact that the fluid opens only by entering it.
     pub conductance: Option<f64>,
     /// The same under its pressure, where it leaks the least at which that was seen.
     pub flow_rate: Option<f64>,

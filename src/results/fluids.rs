@@ -38,7 +38,8 @@ pub(crate) fn results(
         let units = &model.plan.problem.units;
         let (force, area) = fluid_load(model, state, index);
         let conductance = match leak {
-            Some(leak) => leak.conductance,
+            // Without an open way nobody knows yet what it will let through.
+            Some(leak) => leak.conductance.filter(|flow| *flow > 0.0),
             None => open_gap::conductance(model, state, index),
         };
         let driving = leak.map_or(one.pressure, |leak| leak.pressures[1]);

@@ -102,3 +102,24 @@ fn a_viscosity_that_is_not_above_zero_is_refused_by_its_key() {
         assert!(text.contains("fluid.water.viscosity"), "{text}");
     }
 }
+
+#[test]
+fn a_leak_through_contact_that_is_not_open_yet_has_no_rate() {
+    let mut scene = above_a_floor(rubber(
+        RubberModel::NeoHookean { shear_modulus: 1.0 },
+        Some(10.0),
+    ));
+    scene.obstacles = vec![obstacle("floor", "y0", plane([0.0; 3], [0.0, 1.0, 0.0]))];
+    scene.supports = vec![
+        support("x1", [Some(0.0), None, None]),
+        support("x0", [Some(0.0), None, None]),
+        support("y1", [None, Some(-0.05), None]),
+    ];
+    let steps = [Step::default(), raised(FluidLoad::ToBlowOff(20.0))];
+    let reports = solve(&scene, &steps, &mesh(unit_grid(6, 4)));
+    let water = &last(&reports).fluids["water"];
+    assert_eq!(water.tightness, Tightness::Leaks);
+    assert_eq!((water.conductance, water.flow_rate), (None, None));
+    let tight = &reports[0].fluids["water"];
+    assert!(tight.conductance == Some(0.0));
+}
