@@ -33,6 +33,25 @@ def message(field, body):
     return varint(field << 3 | 2) + varint(len(body)) + body
 
 
+class Ended:
+    """A flag between processes. An event of `multiprocessing` hangs in `set` once a process has ended that waited for it."""
+
+    def __init__(self, processes):
+        self.flag = processes.RawValue("b", 0)
+
+    def set(self):
+        self.flag.value = 1
+
+    def is_set(self):
+        return bool(self.flag.value)
+
+    def wait(self, seconds=float("inf")):
+        until = time.monotonic() + seconds
+        while not self.is_set() and time.monotonic() < until:
+            time.sleep(0.005)
+        return self.is_set()
+
+
 def writers(address, token, ended):
     """Two that ask for every field and never read."""
     client = Client(address, token)

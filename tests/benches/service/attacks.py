@@ -73,7 +73,7 @@ class Attack:
         Attack.idle = Attack.idle or Server(name="idle")
 
     def __enter__(self):
-        self.ended, self.times, self.peak = PROCESSES.Event(), PROCESSES.Queue(), 0
+        self.ended, self.times, self.peak = attackers.Ended(PROCESSES), PROCESSES.Queue(), 0
         self.begun, self.said = time.monotonic(), len(self.server.said())
         here = PROCESSES.Semaphore(0)
         of = lambda name: (name, self.server.address, self.server.tokens[name], here, self.ended)  # noqa: E731
