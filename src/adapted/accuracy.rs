@@ -2,7 +2,7 @@
 
 use crate::scene::{Goal, GoalErrors, GoalQuestions};
 
-/// Rounds where nobody says how many: each halves cells, so that they are a thousandth in size.
+/// Rounds where nobody says how many: each halves cells, so that they are a millionth in size; chosen.
 const ROUNDS: u32 = 20;
 
 /// A goal and how well it shall be known.

@@ -67,9 +67,7 @@ impl PairForce {
                 .for_each(|(sum, own)| *sum += own);
         }
     }
-}
 
-impl PairForce {
     /// The part along the axis of a body of revolution, which bears the rest itself.
     fn along_axis(self) -> Self {
         Self {
