@@ -1,7 +1,8 @@
 //! Equilibrium with fluids where they come to: after each solution the fronts advance, until none
 //! does. A fluid that reaches what must stay dry, or another fluid, leaks: there is nothing to
 //! solve any more; so does one that has advanced until the body has no equilibrium, as where it lifts
-//! what a dead load holds down. Wet nodes only become more within a part; what was squeezed out dries before it.
+//! what a dead load holds down, and one whose blow-off is sought under which the body has none, as
+//! where it is pushed out. Wet nodes only become more within a part; what was squeezed out dries before it.
 //! Cost: the solutions of all rounds, one without fluids.
 
 use crate::fluid::front::{Advance, Front};
@@ -24,7 +25,7 @@ pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         return force_control::solve(run, drive);
     }
     squeeze(&run.model, run.state, drive);
-    let mut advanced = None;
+    let mut advanced = sought(run.state, drive);
     loop {
         if let Some(leak) = leak(&run.model, run.state, drive) {
             return leaking(run, leak);
@@ -95,6 +96,7 @@ fn leak_at(fluid: usize, node: Option<u32>) -> Leak {
         fluid,
         node,
         pressures: [0.0; 2],
+        is_pushed_out: false,
         conductance: None,
     }
 }
@@ -138,6 +140,13 @@ fn leaking(run: &mut Run<'_>, leak: Leak) -> Ending {
         site,
         ..increment::ending(run.state, at, verdict, tolerance)
     }
+}
+
+/// The fluid whose blow-off is sought and whose pressure rises, as one that leaks.
+fn sought(state: &State, drive: &Drive) -> Option<Leak> {
+    let mut ends = drive.fluids.iter().zip(&state.drive.fluids);
+    let rising = ends.position(|(end, start)| end.to_blow_off && end.pressure > start.pressure);
+    rising.map(|fluid| leak_at(fluid, None))
 }
 
 /// The fluid of the highest pressure as one that leaks.

@@ -51,6 +51,7 @@ impl LeakBracket {
             |fraction: f64| path[0].towards(path[1], fraction).fluids[self.leak.fluid].pressure;
         Leak {
             pressures: [at(reached), at(self.end)],
+            is_pushed_out: self.cause == Some(Cause::NoEquilibrium),
             ..self.leak
         }
     }

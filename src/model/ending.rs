@@ -109,6 +109,8 @@ pub(crate) struct Leak {
     /// Its pressure at the last tight equilibrium, and where it leaks, the caller's stress; zeros
     /// until they are bracketed.
     pub(crate) pressures: [f64; 2],
+    /// Whether nothing holds the body at the second one.
+    pub(crate) is_pushed_out: bool,
     /// What flowed for a unit of pressure where it was seen to leak, volume over time and stress in the
     /// caller's units; none without a viscosity, or where no equilibrium was found.
     pub(crate) conductance: Option<f64>,

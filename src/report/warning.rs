@@ -32,13 +32,15 @@ pub enum WarningKind {
     /// Digits are lost: in motions far larger than the strains, between moduli far apart, in very
     /// flat cells.
     LostDigits,
+    /// Under a little more pressure of a fluid nothing holds the body.
+    PushedOut,
     /// Contacts are at the border of closing or opening, where derivatives of goals are one-sided.
     OneSided,
 }
 
 impl WarningKind {
     /// All, in the order in which they are listed.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Snapped,
         Self::UnstableEquilibrium,
         Self::UntouchedObstacle,
@@ -53,6 +55,7 @@ impl WarningKind {
         Self::CoarseVolume,
         Self::NotUnique,
         Self::LostDigits,
+        Self::PushedOut,
         Self::OneSided,
     ];
 
@@ -73,6 +76,7 @@ impl WarningKind {
             Self::CoarseVolume => "coarse_volume",
             Self::NotUnique => "not_unique",
             Self::LostDigits => "lost_digits",
+            Self::PushedOut => "pushed_out",
             Self::OneSided => "one_sided",
         }
     }
@@ -83,7 +87,7 @@ impl WarningKind {
 pub struct Warning {
     /// What it is about.
     pub kind: WarningKind,
-    /// Name of the obstacle or support that it is about; empty for the body.
+    /// Name of the obstacle, support or fluid that it is about; empty for the body.
     pub subject: String,
     /// The number that it is about, in the caller's units; none where there is none.
     pub value: Option<f64>,
@@ -129,7 +133,8 @@ mod tests {
             CoarseTurn => CoarseVolume,
             CoarseVolume => NotUnique,
             NotUnique => LostDigits,
-            LostDigits => OneSided,
+            LostDigits => PushedOut,
+            PushedOut => OneSided,
             OneSided => return None,
         })
     }

@@ -5,6 +5,7 @@
 //! | missed contact | distances between the points of the contact integrals, on faces without pressure, depths of cells beside all faces, of vertices that supports hold, and between the nodes of pressed faces |
 //! | untouched obstacle | no pressure, and the obstacle no farther than before |
 //! | contact that presses nowhere | no pressure between two bodies |
+//! | pushed out | no equilibrium at the upper end of a blow-off |
 //! | passed through | no pressure, and cells inside the obstacle; poses on the way at which it is inside, of one that presses deeper than one that slides |
 //! | begins inside | distances before the first increment |
 //! | free motion | rigid modes that supports leave, and no contact, or one that pushes with forces of rounding |
@@ -79,6 +80,7 @@ pub(crate) fn warnings(
         all.extend(coarse(model, state, touch));
     }
     all.extend(apart(model, state));
+    all.extend(pushed_out(model, ending));
     of_the_body(model, state, ending, &mut all);
     all
 }
@@ -100,6 +102,22 @@ fn apart<'m>(model: &'m Model<'_>, state: &'m State) -> impl Iterator<Item = War
             format!("contact `{name}` presses nowhere: its surfaces are apart, or farther from or inside each other than the reach, a quarter of the extent of the smaller one"),
         )
     })
+}
+
+/// A fluid whose blow-off leaves the body without an equilibrium.
+fn pushed_out(model: &Model<'_>, ending: &Ending) -> Option<Warning> {
+    let leak = ending.leak.filter(|leak| leak.is_pushed_out)?;
+    let name = &model.plan.problem.resolved.fluids[leak.fluid].name;
+    let pressure = leak.pressures[1];
+    Some(Warning::new(
+        WarningKind::PushedOut,
+        name,
+        Some(pressure),
+        format!(
+            "fluid `{name}` does not creep through: at a pressure of {} nothing holds the body any more, it is lifted or slides out",
+            digits(pressure)
+        ),
+    ))
 }
 
 /// A snap-through on the way, and a saddle at the end.

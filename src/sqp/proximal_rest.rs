@@ -5,7 +5,10 @@
 //! way to them resist nothing, and programs throw the body away; here each is that of a held body.
 //! Where points stick the force of the flow falls by the ratio of t M to their stiffness, a
 //! hundredth at first; where nothing resists it stays as it is, however light t becomes, and there
-//! is no equilibrium. Non-dimensional. Cost: three to ten solves, of scenes that would fail.
+//! is no equilibrium. Where forces are monotone the flow never grows (R. T. Rockafellar, SIAM J. Control
+//! Optim. 14, 1976): one that has grown has left an equilibrium that was lost, as of a ring that a fluid
+//! pushes out between plates. Where it then comes to no rest, or is farther away than the body is long,
+//! there is none. Non-dimensional. Cost: three to ten solves, of scenes that would fail.
 
 use super::increment::{residuals, solve as solve_at_once};
 use super::proximal_flow::{Advance, End, Flow, Limits, Policy};
@@ -36,6 +39,10 @@ constants! {
     const UNRESISTED: f64 = 0.99;
     /// Such steps one after the other that show it.
     const MOST_UNRESISTED: u32 = 8;
+    /// Force over the least before from which on the equilibrium is lost, not the motion uneven.
+    const GROWN: f64 = 1.25;
+    /// Motion from where it began, in lengths of the body, beyond which rest would be another place.
+    const FAR: f64 = 1.0;
     /// Force over that at the last trial of the end at which the end is tried.
     const EBB: f64 = 0.1;
 }
@@ -57,13 +64,18 @@ pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     });
     let failed = std::mem::replace(run.state, start);
     let flow = Flow::new(run, |_| FIRST_WEIGHT);
-    let rest = flow.follow(run, drive, &mut Rest::default());
+    let mut policy = Rest::from(run.state);
+    let rest = flow.follow(run, drive, &mut policy);
     let is_settled = rest.termination != Termination::NotConverged;
     if is_settled || rest.cause == Some(Cause::NoEquilibrium) {
         return rest;
     }
     *run.state = failed;
-    ending
+    let is_gone = policy.has_grown || policy.is_far();
+    Ending {
+        cause: is_gone.then_some(Cause::NoEquilibrium).or(ending.cause),
+        ..ending
+    }
 }
 
 /// Whether an ending may be that of the method alone.
@@ -76,6 +88,14 @@ fn is_for(run: &Run<'_>, ending: &Ending) -> bool {
 
 /// A flow to rest.
 struct Rest {
+    /// Where it began `[displacement]`.
+    start: Vec<f64>,
+    /// How far a step has led from there, in lengths of the body.
+    moved: f64,
+    /// Least force of all steps.
+    least: f64,
+    /// Whether the force has grown.
+    has_grown: bool,
     /// Force out of balance without the proximal term, over the scale of forces: that of the last
     /// step.
     force: f64,
@@ -85,13 +105,31 @@ struct Rest {
     unresisted: u32,
 }
 
-impl Default for Rest {
-    fn default() -> Self {
+impl Rest {
+    /// From that state.
+    fn from(start: &State) -> Self {
         Self {
+            start: start.displacement.clone(),
+            moved: 0.0,
+            least: f64::INFINITY,
+            has_grown: false,
             force: f64::INFINITY,
             tried: f64::INFINITY,
             unresisted: 0,
         }
+    }
+
+    /// Notes the force of a step that has led to `state`.
+    fn note(&mut self, force: f64, state: &State) {
+        self.has_grown |= force > GROWN * self.least;
+        self.least = self.least.min(force);
+        let ways = state.displacement.iter().zip(&self.start);
+        self.moved = ways.fold(self.moved, |most, (a, b)| most.max((a - b).abs()));
+    }
+
+    /// Whether rest would be another place.
+    fn is_far(&self) -> bool {
+        self.moved > FAR
     }
 }
 
@@ -124,6 +162,7 @@ impl Policy for Rest {
         let now = run.evaluate();
         let force = residuals(run.state, &now, 0.0).equilibrium;
         let share = force / std::mem::replace(&mut self.force, force);
+        self.note(force, run.state);
         let is_unresisted = share > UNRESISTED && largest(&run.state.displacement) > 0.0;
         self.unresisted = if is_unresisted {
             self.unresisted + 1
@@ -133,7 +172,7 @@ impl Policy for Rest {
         if share > SLOW {
             flow.weight *= LIGHTER;
         }
-        if self.unresisted == MOST_UNRESISTED {
+        if self.unresisted == MOST_UNRESISTED || (self.has_grown && self.is_far()) {
             return Advance::Nowhere(Cause::NoEquilibrium);
         }
         if force <= run.model.conditions.tolerance || force <= EBB * self.tried {

@@ -42,7 +42,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("scene", 5300, 27),
     ("session", 2300, 11),
     ("space", 190, 0),
-    ("sqp", 6997, 83),
+    ("sqp", 7036, 85),
     ("stability", 275, 5),
     ("verify", 1510, 11),
 ];

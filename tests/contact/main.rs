@@ -18,6 +18,7 @@ mod inf_sup;
 mod large_surface;
 mod passing;
 mod pushed;
+mod pushed_out;
 mod response;
 mod rotated_surfaces;
 mod tools;
