@@ -250,7 +250,7 @@ impl SparseRows {
 
 impl LinearOperator for SparseRows {
     fn rows(&self) -> usize {
-        self.offsets.len() - 1
+        self.offsets.len().saturating_sub(1)
     }
 
     fn columns(&self) -> usize {
@@ -279,6 +279,12 @@ impl LinearOperator for SparseRows {
 #[allow(clippy::float_cmp)] // These values are exact.
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_matrix_of_nothing_has_no_rows() {
+        assert_eq!(SparseRows::default().rows(), 0);
+        assert_eq!(SparseRowsBuilder::new(0).finish().rows(), 0);
+    }
 
     #[test]
     fn products_match_the_dense_matrix() {
