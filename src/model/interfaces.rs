@@ -32,7 +32,7 @@ use crate::element::quadrature::Rule;
 use crate::geometry::RigidMotion;
 use crate::mesh::Mesh;
 use crate::obstacle::{Moving, Obstacle};
-use crate::pairs::{PairSurface, Section};
+use crate::pairs::{Ground, PairSurface, Section};
 use crate::plan::Plan;
 use crate::plan::pairs::PlannedPair;
 use crate::plan::surfaces::ContactLayout;
@@ -339,7 +339,17 @@ fn of_pair(
     } else {
         Section::Plane
     };
-    let meets = PairSurface::new((mesh, space), sides, (&surface, section));
+    let held = &plan.problem.held;
+    let is_held = |unknown: u32| {
+        held.binary_search_by_key(&unknown, |(held, _)| *held)
+            .is_ok()
+    };
+    let ground = Ground {
+        mesh,
+        space,
+        is_held: &is_held,
+    };
+    let meets = PairSurface::new(ground, sides, (&surface, section));
     Interface {
         name: pair.name.clone(),
         surface,

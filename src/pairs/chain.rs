@@ -4,11 +4,13 @@
 //! vertex where they turn by at most 30 degrees, by the tangents of their curved edges at rest; a
 //! sharper corner is an end of both. The surface that carries no multipliers goes straight on beyond
 //! its ends by a share of their faces: without that, the gap jumps where a ray passes an end, and
-//! Newton's method is linear or cycles there. Cost: one map of the vertices.
+//! Newton's method is linear or cycles there. At a wall along which its end is held a surface ends by
+//! the wall: a normal a little off it leaves out a part of the gap whose force at 1e2 shear moduli is
+//! that of the body. Cost: one map of the vertices.
 
 use std::collections::BTreeMap;
 
-use super::piece::{dot, slope};
+use super::piece::{Beside, dot, slope};
 use crate::contact::patches::outward;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
@@ -26,6 +28,8 @@ pub struct ChainFace {
     pub nodes: [u32; 3],
     /// Outer vertex and edge of the face before a, and of that after b, which share its normals.
     pub beside: [Option<[u32; 2]>; 2],
+    /// Normals of the walls along which a and b are held, in the direction of the face.
+    pub walls: [Option<[i8; 2]>; 2],
     /// Whether the mesh has its vertices the other way round.
     pub is_turned: bool,
 }
@@ -47,6 +51,7 @@ impl Chain {
             ChainFace {
                 nodes: [a, b, edge.map_or(a, |edge| (space.vertices + edge) as u32)],
                 beside: [None, None],
+                walls: [None, None],
                 is_turned: mesh.facet(facet as usize)[0] != a,
             }
         };
@@ -68,9 +73,48 @@ impl Chain {
         }
         Self { faces }
     }
+
+    /// The same between walls: ends without a neighbour of which just one component is held, about along
+    /// the face, by `is_held` displacement unknowns.
+    pub fn between_walls(mut self, mesh: &Mesh, is_held: &dyn Fn(u32) -> bool) -> Self {
+        for face in &mut self.faces {
+            for end in [0, 1] {
+                let vertex = face.nodes[end];
+                let held = [0, 1].map(|axis| is_held(2 * vertex + axis));
+                let axis = match held {
+                    [true, false] => 0,
+                    [false, true] => 1,
+                    _ => continue,
+                };
+                let along = face.way(mesh);
+                let cosine = along[axis] / dot(along, along).sqrt();
+                if face.beside[end].is_none() && cosine.abs() >= SMOOTH {
+                    let mut wall = [0, 0];
+                    wall[axis] = if cosine > 0.0 { 1 } else { -1 };
+                    face.walls[end] = Some(wall);
+                }
+            }
+        }
+        self
+    }
 }
 
 impl ChainFace {
+    /// What gives the normals at its ends.
+    pub(super) fn sides(&self) -> [Beside; 2] {
+        [0, 1].map(|end| match (self.walls[end], self.beside[end]) {
+            (Some(wall), _) => Beside::Wall(wall),
+            (None, Some(_)) => Beside::Face,
+            (None, None) => Beside::Nothing,
+        })
+    }
+
+    /// The way from its first to its second end at rest.
+    fn way(&self, mesh: &Mesh) -> [f64; 2] {
+        let [a, b] = [0, 1].map(|end: usize| mesh.coordinates()[self.nodes[end] as usize]);
+        [b[0] - a[0], b[1] - a[1]]
+    }
+
     /// Part of its line that rays may meet.
     pub(super) fn range(&self) -> [f64; 2] {
         let [before, after] = self.beside.map(|beside| beside.is_some());

@@ -6,7 +6,7 @@
 //! topology as it is. Cost: one cubic a vertex and one ray a part and face among the candidates.
 
 use super::piece::{
-    End, Face, Piece, Section, cross, dot, meeting, minus, point, slope, to_the_right,
+    Beside, End, Face, Piece, Section, cross, dot, meeting, minus, point, slope, to_the_right,
 };
 
 /// Pieces shorter than this share of a face are left out.
@@ -15,6 +15,10 @@ const SHORTEST: f64 = 1e-12;
 const BESIDE: f64 = 1e-9;
 /// Least cosine between a ray and the normal of what it meets: rays that graze move without bound.
 const GRAZING: f64 = 0.2;
+/// Gap of a piece over the reach at most, where another piece of its face is within that: a part that
+/// ended in the middle of a face where the gap is wide would grow and shrink with vertices that pass,
+/// and programs would see a gap close that is far open.
+pub(super) const WIDE: f64 = 2.0;
 /// Halvings that find a root to rounding.
 const HALVINGS: usize = 60;
 
@@ -30,7 +34,7 @@ pub struct Partner {
 /// How far partners are looked for along the rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
-    /// Largest gap.
+    /// Largest gap of a face's nearest piece; its other pieces may be [`WIDE`] times as far.
     pub open: f64,
     /// Largest penetration.
     pub inside: f64,
@@ -47,7 +51,7 @@ struct Break {
 /// The pieces of a face among `partners`, with the numbers of these, ascending along the face.
 pub(super) fn pieces(
     face: &Face<f64>,
-    beside: [bool; 2],
+    beside: [Beside; 2],
     partners: &[Partner],
     reach: Reach,
 ) -> Vec<(usize, Piece)> {
@@ -56,13 +60,16 @@ pub(super) fn pieces(
     places.extend([0.0, 1.0]);
     places.sort_by(f64::total_cmp);
     let mut runs: Vec<(usize, [f64; 2])> = Vec::new();
+    let mut is_near = false;
     for pair in places
         .windows(2)
         .filter(|pair| pair[1] - pair[0] > SHORTEST)
     {
-        let Some(partner) = nearest(face, 0.5 * (pair[0] + pair[1]), partners, reach) else {
+        let middle = 0.5 * (pair[0] + pair[1]);
+        let Some((partner, gap)) = nearest(face, middle, partners, reach) else {
             continue;
         };
+        is_near |= gap <= reach.open;
         match runs.last_mut() {
             // A vertex of another part that the rays pass on their way.
             Some((same, run)) if *same == partner && pair[0] - run[1] <= SHORTEST => {
@@ -70,6 +77,9 @@ pub(super) fn pieces(
             }
             _ => runs.push((partner, [pair[0], pair[1]])),
         }
+    }
+    if !is_near {
+        return Vec::new();
     }
     let piece = |(partner, run): (usize, [f64; 2])| {
         let ends = run.map(|s| end(s, partner, &breaks));
@@ -167,19 +177,19 @@ fn root(k: [f64; 4], [mut low, mut high]: [f64; 2]) -> Option<f64> {
     Some(0.5 * (low + high))
 }
 
-/// The nearest partner that the ray from `s` meets from outside.
-fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Option<usize> {
+/// The nearest partner that the ray from `s` meets from outside, and its gap.
+fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Option<(usize, f64)> {
     let mut best: Option<(usize, f64)> = None;
     for (index, partner) in partners.iter().enumerate() {
         let Some(gap) = gap_to(face, s, partner) else {
             continue;
         };
-        let is_near = gap <= reach.open && -gap <= reach.inside;
-        if is_near && best.is_none_or(|(_, least)| gap.abs() < least) {
-            best = Some((index, gap.abs()));
+        let is_near = gap <= WIDE * reach.open && -gap <= reach.inside;
+        if is_near && best.is_none_or(|(_, least): (usize, f64)| gap.abs() < least.abs()) {
+            best = Some((index, gap));
         }
     }
-    best.map(|(index, _)| index)
+    best
 }
 
 /// Distance from a point of the face to a partner along the ray there, negative inside; none where

@@ -41,7 +41,7 @@ pub mod tree;
 pub use chain::{Chain, ChainFace};
 pub use pair::{Meeting, Pair, Part, Placed, Probe};
 pub use piece::Section;
-pub use surface::{PairForce, PairSurface};
+pub use surface::{Ground, PairForce, PairSurface};
 
 #[cfg(test)]
 mod tests;

@@ -12,7 +12,7 @@
 use std::f64::consts::TAU;
 
 use super::chain::{Chain, ChainFace};
-use super::choice::{Partner, Reach, pieces};
+use super::choice::{Partner, Reach, WIDE, pieces};
 use super::number::{First, Number, Second};
 use super::piece::{
     Face, INPUTS, NODES, NodePlaces, Piece, Section, bernstein, dot, meeting, point, slope,
@@ -137,9 +137,9 @@ impl Pair {
         reach: f64,
     ) -> Vec<Meeting> {
         let own = &self.carrier.faces[face];
-        let beside = own.beside.map(|one| one.is_some());
+        let beside = own.sides();
         let at = Face::new(&places_of(own, None, place), beside);
-        let near = tree.meeting(&swept(&at, reach));
+        let near = tree.meeting(&swept(&at, WIDE * reach));
         let candidates: Vec<Partner> = near.iter().map(|&one| partners[one as usize]).collect();
         let reach = Reach {
             open: reach,
@@ -252,7 +252,7 @@ impl Placed<'_> {
     /// A face of the first surface where it is.
     pub(super) fn face(&self, index: usize) -> Face<f64> {
         let own = &self.pair.carrier.faces[index];
-        let beside = own.beside.map(|one| one.is_some());
+        let beside = own.sides();
         Face::new(&places_of(own, None, self.place), beside)
     }
 

@@ -76,13 +76,26 @@ pub enum Section {
     AboutAxis,
 }
 
+/// What gives the normal at an end of a face beside the face itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Beside {
+    /// Nothing: it goes straight on.
+    #[default]
+    Nothing,
+    /// The next face.
+    Face,
+    /// A wall along which the end is held, by its normal in the direction of the face: the body is its
+    /// own mirror image there, and rays along it leave no part of the gap out.
+    Wall([i8; 2]),
+}
+
 /// A part of a face that has one partner.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
     /// Of which body.
     pub section: Section,
-    /// Whether faces before a and after b take part in the normals there.
-    pub beside: [bool; 2],
+    /// What gives the normals at a and b beside the face itself.
+    pub beside: [Beside; 2],
     /// The ends, ascending.
     pub ends: [End; 2],
 }
@@ -133,19 +146,18 @@ pub(super) struct Face<T> {
 }
 
 impl<T: Number> Face<T> {
-    /// Of the first seven places, of which neighbours count where they are `beside`; a face without
-    /// one goes straight on.
-    pub(super) fn new(places: &NodePlaces<T>, beside: [bool; 2]) -> Self {
+    /// Of the first seven places, of which neighbours count where they are `beside`.
+    pub(super) fn new(places: &NodePlaces<T>, beside: [Beside; 2]) -> Self {
         let [a, b, middle, before, middle_before, after, middle_after, ..] = *places;
         let nodes = [a, b, middle];
         let neighbours = [[before, a, middle_before], [b, after, middle_after]];
         let tangents = [0, 1].map(|end| {
             let at = |s: f64| T::constant(s);
             let own = unit(slope(nodes, at(end as f64)));
-            let other = if beside[end] {
-                unit(slope(neighbours[end], at(1.0 - end as f64)))
-            } else {
-                own
+            let other = match beside[end] {
+                Beside::Nothing => own,
+                Beside::Face => unit(slope(neighbours[end], at(1.0 - end as f64))),
+                Beside::Wall(along) => return along.map(|x| at(2.0 * f64::from(x))),
             };
             [own[0] + other[0], own[1] + other[1]]
         });

@@ -36,6 +36,17 @@ pub struct PairSurface {
     at_rest: Option<Linearisation>,
 }
 
+/// What surfaces lie on.
+#[derive(Clone, Copy)]
+pub struct Ground<'a> {
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// Numbering of the displacement.
+    pub space: &'a TaylorHood,
+    /// Whether supports hold a displacement unknown.
+    pub is_held: &'a dyn Fn(u32) -> bool,
+}
+
 /// Force and moment of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PairForce {
@@ -81,12 +92,13 @@ impl PairForce {
 impl PairSurface {
     /// Of the facets `carrier`, those of `surface` in their order, and `other`.
     pub fn new(
-        (mesh, space): (&Mesh, &TaylorHood),
+        ground: Ground<'_>,
         [carrier, other]: [&[u32]; 2],
         (surface, section): (&ContactSurface, Section),
     ) -> Self {
+        let Ground { mesh, space, .. } = ground;
         let pair = Pair {
-            carrier: Chain::new(mesh, space, carrier),
+            carrier: Chain::new(mesh, space, carrier).between_walls(mesh, ground.is_held),
             other: Chain::new(mesh, space, other),
             section,
         };

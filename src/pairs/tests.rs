@@ -34,6 +34,7 @@ fn chain(
             (is_closed || k > 0).then(|| [vertex(k + vertices - 1), edge(k + count - 1)]),
             (is_closed || k + 1 < count).then(|| [vertex(k + 2), edge(k + 1)]),
         ],
+        walls: [None, None],
         is_turned: false,
     };
     Chain {
@@ -482,7 +483,7 @@ fn the_tree_finds_the_partners_that_a_look_at_all_faces_finds() {
         bodies.at(|placed| {
             let mut twins = Vec::new();
             for face in &bodies.pair.carrier.faces {
-                let beside = face.beside.map(|one| one.is_some());
+                let beside = face.sides();
                 let [before, after] = face.beside.map(|one| one.unwrap_or([0, 0]));
                 let [a, b, edge] = face.nodes;
                 let nodes = [

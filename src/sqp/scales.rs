@@ -88,6 +88,7 @@ pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluatio
         now.coupling.apply(&carried, &mut moved, &mut work);
         square += dot(&moved, &moved);
     }
+    square += carried_past(model, now);
     state.scales.gap = state.scales.gap.max(least * square.sqrt());
     let together = between_bodies(model, state, now).into_iter();
     let together: f64 = together.map(|(_, moved)| moved * moved).sum();
@@ -100,6 +101,22 @@ pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluatio
         0.0
     };
     state.scales.constraint = state.scales.constraint.max(volumes);
+}
+
+/// Square of what carrying one of two bodies by its length past the other makes of the gaps between
+/// them, which carrying both makes nothing of.
+fn carried_past(model: &Model<'_>, now: &Evaluation) -> f64 {
+    let vertices = model.prepared.space.components * model.prepared.space.vertices;
+    let pairs = model.interfaces.list.iter();
+    let pairs = pairs.filter(|interface| interface.pair().is_some());
+    let of_both = |place: usize| -> f64 {
+        let (columns, values) = now.coupling.row(place);
+        let entries = columns.iter().zip(values);
+        let own = entries.filter(|&(&k, _)| (k as usize) < vertices);
+        own.map(|(_, value)| value.abs()).sum()
+    };
+    let squares = pairs.flat_map(|interface| interface.places());
+    squares.map(|place| (0.5 * of_both(place)).powi(2)).sum()
 }
 
 /// Whether nothing acts on the body: no load, no support that has moved and no obstacle.

@@ -33,6 +33,7 @@ fn pressed(moduli: [f64; 2], carrier: [&str; 2]) -> StepReport {
     };
     let mut reports = solve(&scene, &[step], &curved_file("pair_discs"));
     let report = reports.remove(0);
+    assert!(report.sqp_iterations <= 6, "{}", report.sqp_iterations);
     assert_eq!(
         (report.termination, report.cause),
         (Termination::Converged, None)
@@ -100,4 +101,6 @@ fn a_half_disc_slides_over_a_slab_as_an_independent_code_has_it() {
     let [fx, fy, _] = reports[1].contacts["pair"].force;
     assert!(close(fy, 0.218568182272, 5e-3), "{fy}");
     assert!(fx.abs() < 5e-3 * fy, "{fx}");
+    let programs = [0, 1].map(|k: usize| reports[k].sqp_iterations);
+    assert!(programs[0] <= 6 && programs[1] <= 4, "{programs:?}");
 }

@@ -4,8 +4,10 @@
 mod common;
 
 mod box_of_two;
+mod boxes;
 mod cylinders;
 mod mirrors;
+mod objectivity;
 mod patches;
 mod refusals;
 mod rings;

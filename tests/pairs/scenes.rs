@@ -4,13 +4,13 @@ use signorini::scene::{
     ContactPair, Formulation, Material, MaterialModel, Modulus, RubberModel, Support, ValuePlace,
     Values,
 };
-use signorini::{GroupKind, Mesh, Scene};
+use signorini::{Group, GroupKind, Mesh, MeshParts, Scene};
 
 use crate::common::node_positions;
 use crate::common::scenes::support;
 
 /// Incompressible linear bodies of those shear moduli.
-pub(crate) fn linear(bodies: [(&str, f64); 2]) -> Scene {
+pub(crate) fn linear<const N: usize>(bodies: [(&str, f64); N]) -> Scene {
     scene(bodies, |shear| MaterialModel::LinearElastic {
         modulus: Modulus::Shear(shear),
         poisson_ratio: 0.5,
@@ -19,7 +19,7 @@ pub(crate) fn linear(bodies: [(&str, f64); 2]) -> Scene {
 }
 
 /// Rubber of those shear moduli.
-pub(crate) fn rubber(bodies: [(&str, f64); 2], bulk_modulus: Option<f64>) -> Scene {
+pub(crate) fn rubber<const N: usize>(bodies: [(&str, f64); N], bulk_modulus: Option<f64>) -> Scene {
     scene(bodies, |shear_modulus| MaterialModel::Rubber {
         model: RubberModel::NeoHookean { shear_modulus },
         bulk_modulus,
@@ -27,7 +27,7 @@ pub(crate) fn rubber(bodies: [(&str, f64); 2], bulk_modulus: Option<f64>) -> Sce
     })
 }
 
-fn scene(bodies: [(&str, f64); 2], law: impl Fn(f64) -> MaterialModel) -> Scene {
+fn scene<const N: usize>(bodies: [(&str, f64); N], law: impl Fn(f64) -> MaterialModel) -> Scene {
     let material = |(group, shear): (&str, f64)| Material {
         group: group.to_owned(),
         model: law(shear),
@@ -39,6 +39,37 @@ fn scene(bodies: [(&str, f64); 2], law: impl Fn(f64) -> MaterialModel) -> Scene 
     };
     scene.solver.verify = true;
     scene
+}
+
+/// Some bodies of triangles as one mesh; the groups of each have their names with its prefix.
+pub(crate) fn joined(bodies: &[(&str, MeshParts)]) -> MeshParts {
+    let mut all = MeshParts {
+        coordinates: Vec::new(),
+        cells: Vec::new(),
+        facets: Vec::new(),
+        groups: Vec::new(),
+        ..bodies[0].1.clone()
+    };
+    for (prefix, own) in bodies {
+        let first = all.coordinates.len() as u32;
+        let [cells, facets] = [all.cells.len() as u32 / 3, all.facets.len() as u32 / 2];
+        all.coordinates.extend(&own.coordinates);
+        all.cells.extend(own.cells.iter().map(|v| v + first));
+        all.facets.extend(own.facets.iter().map(|v| v + first));
+        let named = |group: &Group| {
+            let by = match group.kind {
+                GroupKind::Cells => cells,
+                GroupKind::Facets => facets,
+            };
+            Group {
+                name: format!("{prefix}{}", group.name),
+                kind: group.kind,
+                members: group.members.iter().map(|member| member + by).collect(),
+            }
+        };
+        all.groups.extend(own.groups.iter().map(named));
+    }
+    all
 }
 
 /// A contact named `pair` whose first group carries.
