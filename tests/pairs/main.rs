@@ -6,6 +6,7 @@ mod common;
 mod box_of_two;
 mod boxes;
 mod cylinders;
+mod floating;
 mod mirrors;
 mod objectivity;
 mod patches;

@@ -1,7 +1,7 @@
 //! What is wrong with a contact, or not solved yet, is told with its key.
 
-use super::scenes::{between, linear};
-use crate::common::meshes::file;
+use super::scenes::{between, joined, linear};
+use crate::common::meshes::{file, mesh, moved, unit_grid};
 use crate::common::scenes::{HELD_IN_PLANE, obstacle, plane, support};
 use signorini::scene::{SceneError, SceneKind};
 use signorini::{Plan, Scene};
@@ -72,12 +72,29 @@ fn names_and_groups_of_contacts_are_checked() {
 }
 
 #[test]
-fn a_body_that_contact_alone_holds_is_refused() {
+fn a_body_that_no_contact_can_hold_is_refused() {
     let (path, message) = fault(|scene| {
         scene.supports.pop();
+        scene.contacts.clear();
+        let up = plane([0.0; 3], [0.0, 1.0, 0.0]);
+        scene.obstacles = vec![obstacle("floor", "a_left", up)];
     });
     assert_eq!(path, "support");
     assert!(message.contains("contact alone holds"), "{message}");
+    let mesh = mesh(joined(&[
+        ("a_", unit_grid(2, 2)),
+        ("b_", moved(unit_grid(2, 2), |[x, y, z]| [x, y + 1.0, z])),
+        ("c_", moved(unit_grid(2, 2), |[x, y, z]| [x + 3.0, y, z])),
+    ]));
+    let loose = Scene {
+        supports: vec![support("a_y0", HELD_IN_PLANE)],
+        contacts: between("b_y0", "a_y1"),
+        ..linear([("a_body", 1.0), ("b_body", 2.0), ("c_body", 2.0)])
+    };
+    let error = Plan::new(&loose, &[], &mesh).expect_err("a fault");
+    let message = format!("{error:?}");
+    let expected = "nothing holds or meets part 2 of the mesh";
+    assert!(message.contains(expected), "{message}");
 }
 
 #[test]

@@ -5,10 +5,12 @@
 //! the plane modes only the translation along its axis is rigid in a body of
 //! revolution: the others stretch its hoops.
 
+use std::collections::BTreeSet;
+
 use super::{Faults, ResolvedSupport};
 use crate::assembly::load::facet_measure;
 use crate::contact::patches::outward;
-use crate::mesh::Mesh;
+use crate::mesh::{GroupKind, Mesh};
 use crate::scene::{Scene, SceneKind};
 
 const NAMES_3: [&str; 6] = [
@@ -48,6 +50,10 @@ pub(crate) fn check(
         moments.iter_mut().for_each(hold_by_hoops);
         guided.iter_mut().for_each(hold_by_hoops);
     }
+    if !scene.contacts.is_empty() {
+        let of_part = moments.iter().map(|own| name_null_space(*own, names));
+        refuse_loose((scene, &parts), of_part.collect(), faults);
+    }
     let free = free_modes(moments, names);
     let unguided = free_modes(guided, names);
     let has_contact = !scene.obstacles.is_empty() || !scene.contacts.is_empty();
@@ -56,7 +62,8 @@ pub(crate) fn check(
         faults.add("support", format!("nothing holds the body against {list}"));
     }
     let has_multipliers = has_contact || supports.iter().any(|s| !s.patches.is_empty());
-    if !free.is_empty() && has_multipliers && count > 1 {
+    let may_meet = !scene.contacts.is_empty();
+    if !free.is_empty() && has_multipliers && count > 1 && !may_meet {
         let list = free.join(", ");
         faults.unsupported(
             "support",
@@ -66,6 +73,27 @@ pub(crate) fn check(
         );
     }
     free
+}
+
+/// Refuses bodies with free modes `[parts]` that no contact and no obstacle meets.
+fn refuse_loose((scene, parts): (&Scene, &Parts<'_>), free: Vec<Vec<String>>, faults: &mut Faults) {
+    let between = scene.contacts.iter().flat_map(|contact| &contact.between);
+    let obstacles = scene.obstacles.iter().flat_map(|obstacle| &obstacle.on);
+    let groups = between.chain(obstacles);
+    let facets = groups.filter_map(|name| parts.mesh.group(name, GroupKind::Facets));
+    let facets = facets.flat_map(|group| &group.members);
+    let corners = facets.filter_map(|&facet| parts.mesh.facet(facet as usize).first());
+    let met: BTreeSet<u32> = corners
+        .map(|&vertex| parts.of_vertex[vertex as usize])
+        .collect();
+    for (part, free) in (0..).zip(free) {
+        if !free.is_empty() && !met.contains(&part) {
+            let list = free.join(", ");
+            let message =
+                format!("nothing holds or meets part {part} of the mesh, which is free ({list})");
+            faults.add("support", message);
+        }
+    }
 }
 
 /// Names of the free modes of all parts.

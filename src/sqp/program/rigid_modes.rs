@@ -1,4 +1,4 @@
-//! Rigid motions that nothing resists: those of a body which contact alone holds,
+//! Rigid motions that nothing resists: those of each body which contact alone holds,
 //!
 //! ```text
 //! r = t + w x (x + u),   K r = 0
@@ -16,6 +16,7 @@ use crate::model::Model;
 use crate::model::held::mask;
 use crate::model::proximal::mass;
 use crate::model::state::State;
+use crate::scene::validate::parts;
 
 constants! {
     /// What resists the motions instead, in mu / L^2: what the approximate inverse of a body that
@@ -98,8 +99,32 @@ fn combination(shares: &[f64], vectors: &[Vec<f64>]) -> Vec<f64> {
     sum
 }
 
-/// The rigid motions of the body as it stands, zero where it is held.
+/// The rigid motions of each connected part of the body as it stands, zero where it is held.
 fn rigid_motions(model: &Model<'_>, state: &State) -> Vec<Vec<f64>> {
+    let whole = rigid_motions_together(model, state);
+    let of_vertex = parts(model.mesh);
+    let count = of_vertex.iter().max().map_or(0, |&last| last + 1);
+    if count <= 1 {
+        return whole;
+    }
+    let space = &model.prepared.space;
+    let part_of = |node: usize| match node.checked_sub(space.vertices) {
+        None => of_vertex[node],
+        Some(edge) => of_vertex[space.edges[edge][0] as usize],
+    };
+    let own = |part: u32, motion: &Vec<f64>| {
+        let mut own = motion.clone();
+        let nodes = own.chunks_exact_mut(space.components).enumerate();
+        let others = nodes.filter(|(node, _)| part_of(*node) != part);
+        others.for_each(|(_, node)| node.fill(0.0));
+        own
+    };
+    let motions = (0..count).flat_map(|part| whole.iter().map(move |motion| own(part, motion)));
+    motions.collect()
+}
+
+/// The rigid motions of all parts together.
+fn rigid_motions_together(model: &Model<'_>, state: &State) -> Vec<Vec<f64>> {
     let axes = |count: usize| (0..count).map(|axis| (axis, 0));
     // A pair is a translation along the first, or a turn from the first axis to the second.
     let pairs: Vec<(usize, usize)> = match model.prepared.space.components {
