@@ -36,11 +36,7 @@ pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
             ending.leak = advanced;
             return ending;
         }
-        let (advance, passed) = advance(&run.model, run.state, drive);
-        if let Some(leak) = passed {
-            return leaking(run, leak);
-        }
-        if advance == Advance::default() {
+        if advance(&run.model, run.state, drive) == Advance::default() {
             return ending;
         }
         advanced = pressing(drive);
@@ -63,21 +59,15 @@ fn with_fronts(
     }
 }
 
-/// Lets every fluid advance at the present contact; how far, and the first that passes: where it
-/// found nothing open, and on a path to what must stay dry nothing that holds it, the rest of the
-/// way would be one solution a ring of nodes.
-fn advance(model: &Model<'_>, state: &mut State, drive: &Drive) -> (Advance, Option<Leak>) {
-    let (mut all, mut passed) = (Advance::default(), None);
-    with_fronts((model, state), drive, &mut |index, front, wet| {
-        let held = front.margin(wet);
+/// Lets every fluid advance at the present contact; how far.
+fn advance(model: &Model<'_>, state: &mut State, drive: &Drive) -> Advance {
+    let mut all = Advance::default();
+    with_fronts((model, state), drive, &mut |_, front, wet| {
         let own = front.advance(wet);
         all.flooded += own.flooded;
         all.entered += own.entered;
-        let lost = held.filter(|(margin, _)| own.flooded == 0 && *margin < front.threshold);
-        let leak = lost.map(|(_, place)| leak_at(index, Some(front.surface.nodes[place])));
-        passed = passed.or(leak);
     });
-    (all, passed)
+    all
 }
 
 /// Dries what is pressed on all sides, of fluids whose film does not stay.

@@ -9,8 +9,7 @@
 //! V. A. Yastrebov, arXiv 1712.06312). The first part, which knows no e', raises the fluid by half of
 //! what contact presses in the mean over all that the fluid can reach: levers, as lips are, leak
 //! far below their margin. A step that names a pressure below the margin takes it at once. Far beyond
-//! blow-off each ring of nodes that a fluid enters costs a solution, and none of these is an
-//! equilibrium that is kept. Pressures are in the caller's units.
+//! blow-off solutions are dear, and none of them is an equilibrium that is kept. Pressures are in the caller's units.
 //! Cost: a pass over the surface of each fluid.
 
 use crate::model::Model;

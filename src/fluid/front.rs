@@ -32,15 +32,15 @@ impl Front<'_> {
         self.contact[place] <= 0.0
     }
 
-    /// Wets every open node that open nodes join to a wet one; how many.
-    fn flood(&self, wet: &mut [bool]) -> usize {
+    /// Wets every dry node that nodes with `may` join to a wet one; how many.
+    fn spread(&self, wet: &mut [bool], may: impl Fn(usize) -> bool) -> usize {
         let mut edge: Vec<usize> = (0..wet.len()).filter(|&place| wet[place]).collect();
         let before = edge.len();
         let mut at = 0;
         while let Some(&place) = edge.get(at) {
             at += 1;
             for other in self.surface.beside(place) {
-                if !wet[other] && self.is_open(other) {
+                if !wet[other] && may(other) {
                     wet[other] = true;
                     edge.push(other);
                 }
@@ -49,17 +49,17 @@ impl Front<'_> {
         edge.len() - before
     }
 
-    /// Floods, and wets the dry nodes beside wet ones that are pressed by less than the threshold.
+    /// Wets what open nodes join to wet ones; where there is nothing, as a flood may press a seal on, what
+    /// nodes do that are pressed by less than the threshold: the fluid lifts what it enters, so that
+    /// what lies beside that is pressed less, not more.
     pub fn advance(&self, wet: &mut [bool]) -> Advance {
-        let flooded = self.flood(wet);
-        let weak = |&place: &usize| !wet[place] && self.total[place] < self.threshold;
-        let reached = |&place: &usize| self.surface.beside(place).any(|other| wet[other]);
-        let entered: Vec<usize> = (0..wet.len()).filter(weak).filter(reached).collect();
-        entered.iter().for_each(|&place| wet[place] = true);
-        Advance {
-            flooded,
-            entered: entered.len(),
-        }
+        let flooded = self.spread(wet, |place| self.is_open(place));
+        let is_weak = |place: usize| self.total[place] < self.threshold;
+        let entered = match flooded {
+            0 => self.spread(wet, is_weak),
+            _ => 0,
+        };
+        Advance { flooded, entered }
     }
 
     /// The pressure that it must exceed to leak, and the place of the node that holds it last; none
@@ -145,20 +145,20 @@ mod tests {
         let contact = contact([0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 5.0, 5.0, 5.0], &along);
         let front = of_unit_pressure(&surface, &contact);
         let mut wet = surface.sources.clone();
-        assert_eq!(front.flood(&mut wet), 2);
+        assert_eq!(front.advance(&mut wet).flooded, 2);
         let expected = [true, true, true, false, false, false, false, false, false];
         assert_eq!(wet_along(&wet, &along), expected);
         assert_eq!(front.advance(&mut wet), Advance::default());
     }
 
     #[test]
-    fn weak_contact_is_entered_node_by_node() {
+    fn weak_contact_is_entered_as_far_as_it_is_weak() {
         let (surface, along) = bottom();
         let contact = contact([0.5, 0.5, 0.5, 3.0, 0.1, 0.1, 0.1, 0.1, 0.1], &along);
         let front = of_unit_pressure(&surface, &contact);
         let mut wet = surface.sources.clone();
         let rounds: Vec<usize> = (0..3).map(|_| front.advance(&mut wet).entered).collect();
-        assert_eq!(rounds, [1, 1, 0]);
+        assert_eq!(rounds, [2, 0, 0]);
         assert_eq!(surface.leak(&wet, |_| false), None);
         // With a threshold of zero it enters only what is open.
         let never = Front {
