@@ -16,7 +16,7 @@
 //! | [`resolved`], [`own_contact`], [`transposed`] | J and dJ/dx |
 //! | [`answer`] | questions and their order |
 //! | [`dual`] | y, by the operators that the solver has |
-//! | [`bound`] | the error of J by the mesh, from the errors of x and y |
+//! | [`bound`], [`form`] | the error of J by the mesh, from the errors of x and y |
 //! | [`perturbed`], [`gradient`] | the derivative of J + y . R with the state held fast |
 //!
 //! Nothing of a session is changed by asking. Bodies without friction and fluids, whose state
@@ -26,6 +26,7 @@ mod answer;
 mod bound;
 mod dual;
 mod error;
+mod form;
 mod gradient;
 mod own_contact;
 mod perturbed;

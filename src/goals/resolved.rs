@@ -135,6 +135,24 @@ impl ResolvedGoal {
         smooth
     }
 
+    /// y less what the obstacle of that number holds it to, from its `smooth` part: its normal part
+    /// is zero on closed contact.
+    pub(super) fn relative(
+        &self,
+        model: &Model<'_>,
+        state: &State,
+        (obstacle, smooth): (usize, &[f64]),
+    ) -> Vec<f64> {
+        let mut relative = smooth.to_vec();
+        let is_own =
+            matches!(self.what, What::Force(index) | What::Moment(index) if index == obstacle);
+        let own = OwnContact::new(model, state, obstacle).filter(|_| is_own);
+        if let Some(own) = own {
+            add_scaled(&mut relative, 1.0, &self.motion(model, state, &own));
+        }
+        relative
+    }
+
     /// What flat facets in the place of a curved surface make of the goal, in the caller's units.
     pub(super) fn geometry(&self, model: &Model<'_>, state: &State) -> f64 {
         let (What::Force(index) | What::Moment(index)) = self.what else {

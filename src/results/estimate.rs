@@ -53,6 +53,7 @@ fn squares(model: &Model<'_>, state: &State) -> CellSquares {
         regions: &model.plan.problem.resolved.cell_material,
         moduli: &moduli,
         displacement: &state.displacement,
+        pressure: &[],
     };
     recovery.squares()
 }

@@ -78,6 +78,26 @@ fn the_force_on_rubber_is_within_its_bound() {
 }
 
 #[test]
+fn the_bound_sees_the_edges_of_a_punch_inside_faces() {
+    let (mut scene, step) = block(elastic(0.4), 0.02, 1);
+    scene.obstacles[0].shape = Shape::Box {
+        centre: [0.47, 1.5, 0.0],
+        half_sizes: [0.21, 0.5, 1.0],
+        rounding: 0.0,
+    };
+    let problem = (scene, step);
+    let exact = asked(&problem, &mesh(square(60)))[0].value;
+    for count in [5, 8] {
+        let own = &asked(&problem, &mesh(square(count)))[0];
+        let (error, bound) = (exact - own.value, own.bound.as_ref().expect("a bound"));
+        let told = (count, bound.estimate / error, bound.total() / error.abs());
+        assert!(error.abs() > 0.05 * exact.abs(), "{told:?}");
+        assert!((0.4..2.5).contains(&told.1), "{told:?}");
+        assert!((0.8..4.0).contains(&told.2), "{told:?}");
+    }
+}
+
+#[test]
 fn the_bound_falls_with_the_mesh() {
     let problem = block(rubber(mooney_rivlin(), Some(30.0)), 0.1, 2);
     let [coarse, fine] = [5, 10].map(|count| {

@@ -36,7 +36,7 @@ use fit::{Fit, Quadratic};
 use sites::Sites;
 use strain::{Cells, EnergyForm};
 
-pub use pairs::{CellForm, cell_products};
+pub use pairs::{CellForm, FormMatrix, NUMBERS, cell_products};
 
 /// How far the polynomials of inner vertices reach along the rim: a corner has
 /// neighbours on the rim only.
@@ -59,6 +59,8 @@ pub struct Recovery<'a> {
     pub moduli: &'a [[f64; 2]],
     /// Hierarchical displacement.
     pub displacement: &'a [f64],
+    /// Pressures of the vertices; empty where there are none.
+    pub pressure: &'a [f64],
 }
 
 /// Squares of energy norms, cell by cell.

@@ -1,30 +1,36 @@
-//! Products of the errors of two displacements by a form of their gradients, cell by cell:
+//! Products of the errors of two displacements with their pressures by a form, cell by cell:
 //!
 //! ```text
-//! int_K (H* - H_h) : A : (Z* - Z_h),   H = grad u, Z = grad z
+//! int_K (X* - X_h) : S : (Y* - Y_h),   X = (grad u, p), Y = (grad z, q)
 //! ```
 //!
-//! H* and Z* the recovered gradients ([`super`]), A constant in a cell. Cost: that of two recoveries
-//! with half as many numbers again, and 5 kflop a cell.
+//! X* and Y* as the gradients are recovered ([`super`]), S constant in a cell. Cost: that of two
+//! recoveries with half as many numbers again, and 5 kflop a cell.
 
 use super::fit::Quadratic;
 use super::sites::Sites;
 use super::strain::{Cells, lagrange};
 use super::{Recovery, polynomials};
 use crate::element::quadrature::{Simplex, rule};
-use crate::material::TangentMatrix;
 use crate::parallel;
 
 /// Degree of products of quadratic functions.
 const DEGREE: u32 = 4;
 
-/// A form of gradients, row and column 3 i + j for entry (i, j).
+/// Numbers of a gradient and a pressure.
+pub const NUMBERS: usize = 10;
+
+/// A matrix on gradients with their pressures: row and column 3 i + j for entry (i, j), the last
+/// one for the pressure.
+pub type FormMatrix = [[f64; NUMBERS]; NUMBERS];
+
+/// A form of gradients and pressures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellForm {
-    /// A, symmetric.
-    pub signed: TangentMatrix,
+    /// S, symmetric.
+    pub signed: FormMatrix,
     /// What bounds it from above in both signs, positive semidefinite.
-    pub positive: TangentMatrix,
+    pub positive: FormMatrix,
 }
 
 /// A displacement with its recovered gradients.
@@ -41,8 +47,8 @@ pub fn cell_products(
     form: &(dyn Fn(usize) -> CellForm + Sync),
 ) -> Vec<[f64; 3]> {
     match fields[0].space.components {
-        2 => products::<2, 3, 3, 6, 4>(fields, form),
-        _ => products::<3, 4, 6, 10, 9>(fields, form),
+        2 => products::<2, 3, 3, 6, 5>(fields, form),
+        _ => products::<3, 4, 6, 10, 10>(fields, form),
     }
 }
 
@@ -98,13 +104,19 @@ fn means<const V: usize>() -> Vec<Vec<f64>> {
     means
 }
 
-/// Mean of a : A : b over a cell, from values at its nodes.
+/// Mean of a : S : b over a cell, from values at its nodes.
 fn product<const D: usize, const S: usize>(
     means: &[Vec<f64>],
     [a, b]: [&[[f64; S]]; 2],
-    form: &TangentMatrix,
+    form: &FormMatrix,
 ) -> f64 {
-    let place = |s: usize| 3 * (s / D) + s % D;
+    let place = |s: usize| {
+        if s == D * D {
+            NUMBERS - 1
+        } else {
+            3 * (s / D) + s % D
+        }
+    };
     let image = |value: &[f64; S]| -> [f64; S] {
         std::array::from_fn(|s| {
             let row = &form[place(s)];

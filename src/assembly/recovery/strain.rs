@@ -2,7 +2,8 @@
 //! strain field.
 //!
 //! Strains are `[xx, yy, xy]` or `[xx, yy, zz, xy, yz, zx]`, tensor components; in their place a whole
-//! gradient may stand, row by row: as many numbers as the square of the dimension.
+//! gradient may stand, row by row, with the pressure after it: as many numbers as the square of the
+//! dimension and one.
 //! eps(u_h) is linear in a straight cell: its values at the corners tell all. In a curved one they
 //! stand for it.
 
@@ -80,9 +81,13 @@ impl<'a, const D: usize, const V: usize, const E: usize, const S: usize> Cells<'
         }
         let curved = problem.geometry.curves.of(cell);
         let maps = curved.map(corner_maps::<V>);
-        std::array::from_fn(|a| match &maps {
-            Some(maps) => strain_of(&on_curved(&corners[a], &maps[a])),
-            None => strain_of(&corners[a]),
+        std::array::from_fn(|a| {
+            let vertex = problem.mesh.cell(cell)[a] as usize;
+            let pressure = problem.pressure.get(vertex).copied().unwrap_or(0.0);
+            match &maps {
+                Some(maps) => strain_of(&on_curved(&corners[a], &maps[a]), pressure),
+                None => strain_of(&corners[a], pressure),
+            }
         })
     }
 
@@ -184,11 +189,11 @@ fn add_product<const D: usize>(
     }
 }
 
-/// The strain of a gradient, or all of it.
-fn strain_of<const D: usize, const S: usize>(gradient: &[[f64; D]; D]) -> [f64; S] {
+/// The strain of a gradient, or all of it and the pressure.
+fn strain_of<const D: usize, const S: usize>(gradient: &[[f64; D]; D], pressure: f64) -> [f64; S] {
     std::array::from_fn(|s| {
-        if S == D * D {
-            return gradient[s / D][s % D];
+        if S == D * D + 1 {
+            return gradient.as_flattened().get(s).copied().unwrap_or(pressure);
         }
         let (i, j) = place(D, s);
         0.5 * (gradient[i][j] + gradient[j][i])

@@ -34,6 +34,7 @@ fn squares(
         regions,
         moduli: &moduli,
         displacement: &displacement,
+        pressure: &[],
     };
     recovery.squares()
 }
