@@ -3,10 +3,10 @@
 /// Error of a goal by the mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GoalBound {
-    /// The exact value less the computed one, estimated with its sign: better than the value itself
-    /// on meshes that are refined where the error is made, of little worth on uniform ones.
+    /// The exact value less the computed one, estimated with its sign: of little worth where contact
+    /// ends inside faces.
     pub estimate: f64,
-    /// What the error of the mesh is not above: the sum of the parts of the cells.
+    /// What the error of the mesh is not above, about: the sum of the parts of the cells.
     pub discretisation: f64,
     /// What the residuals that the solver left make of the value, to first order.
     pub solver: f64,
