@@ -23,6 +23,8 @@
 //! | [`tree`] | faces near a face |
 //! | [`pair`] | gaps of two surfaces |
 //! | [`surface`] | gaps, coupling and curvature of a surface of multipliers |
+//! | [`slip`] | how far a piece has slid, and what tractions do |
+//! | [`sliding`] | slips of a surface of multipliers |
 //! | [`probing`] | what is told of points |
 //!
 //! References: M. Puso and T. Laursen, *A mortar segment-to-segment contact method for large
@@ -35,12 +37,15 @@ pub mod number;
 pub mod pair;
 pub mod piece;
 pub mod probing;
+pub mod sliding;
+pub mod slip;
 pub mod surface;
 pub mod tree;
 
 pub use chain::{Chain, ChainFace};
 pub use pair::{Meeting, Pair, Part, Placed, Probe};
 pub use piece::Section;
+pub use slip::Sliding;
 pub use surface::{Ground, PairForce, PairSurface};
 
 #[cfg(test)]

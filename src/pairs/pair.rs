@@ -261,7 +261,15 @@ impl Placed<'_> {
         self.pair.other.faces[meeting.other].places(self.place)
     }
 
-    fn parts<T: Send>(&self, gaps: &(dyn Fn(&Meeting) -> [T; 3] + Sync)) -> Vec<Part<T>> {
+    /// The rule on \[0, 1\].
+    pub(super) fn rule(&self) -> &[[f64; 2]] {
+        &self.rule
+    }
+
+    pub(super) fn parts<T: Send>(
+        &self,
+        gaps: &(dyn Fn(&Meeting) -> [T; 3] + Sync),
+    ) -> Vec<Part<T>> {
         parallel::map(self.meetings.len(), FEW, &|k| {
             let meeting = &self.meetings[k];
             Part {
@@ -272,12 +280,12 @@ impl Placed<'_> {
         })
     }
 
-    fn nodes(&self, meeting: &Meeting) -> [u32; NODES] {
+    pub(super) fn nodes(&self, meeting: &Meeting) -> [u32; NODES] {
         let other = &self.pair.other.faces[meeting.other];
         nodes_of(&self.pair.carrier.faces[meeting.face], Some(other))
     }
 
-    fn places(&self, meeting: &Meeting) -> NodePlaces<f64> {
+    pub(super) fn places(&self, meeting: &Meeting) -> NodePlaces<f64> {
         let other = &self.pair.other.faces[meeting.other];
         places_of(
             &self.pair.carrier.faces[meeting.face],
@@ -308,7 +316,10 @@ fn places_of(face: &ChainFace, other: Option<&ChainFace>, place: &PlaceOf<'_>) -
 }
 
 /// The coordinates of all nodes as inputs.
-fn inputs<T: Number>(places: &NodePlaces<f64>, input: impl Fn(usize, f64) -> T) -> NodePlaces<T> {
+pub(super) fn inputs<T: Number>(
+    places: &NodePlaces<f64>,
+    input: impl Fn(usize, f64) -> T,
+) -> NodePlaces<T> {
     std::array::from_fn(|node| [0, 1].map(|i| input(2 * node + i, places[node][i])))
 }
 

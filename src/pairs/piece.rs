@@ -183,7 +183,7 @@ impl<T: Number> Face<T> {
     }
 
     /// Where an end is.
-    fn end(&self, end: End, other: [[T; 2]; 3]) -> T {
+    pub(super) fn end(&self, end: End, other: [[T; 2]; 3]) -> T {
         match end {
             End::Fixed(s) => T::constant(s),
             End::Opposite { s, r } => {
@@ -197,8 +197,19 @@ impl<T: Number> Face<T> {
         }
     }
 
+    /// The value of where the ray from `s` meets the other face; none where it misses.
+    pub(super) fn met(&self, s: T, other: [[T; 2]; 3]) -> Option<f64> {
+        let plain = |node: [T; 2]| node.map(|x| x.value());
+        let [tangent, _] = self.tangent(s);
+        meeting(
+            plain(point(self.nodes, s)),
+            plain(tangent),
+            other.map(plain),
+        )
+    }
+
     /// Where the ray from `s` meets the other face, near `r`.
-    fn hit(&self, s: T, other: [[T; 2]; 3], r: f64) -> T {
+    pub(super) fn hit(&self, s: T, other: [[T; 2]; 3], r: f64) -> T {
         let [tangent, _] = self.tangent(s);
         let x = point(self.nodes, s);
         let step = |r: T| {
@@ -292,10 +303,7 @@ impl Piece {
         for [at, weight] in rule {
             let s = first + length.times(*at);
             let weight = length.times(*weight);
-            let plain = |node: [T; 2]| node.map(|x| x.value());
-            let [tangent, _] = face.tangent(s);
-            let x = plain(point(face.nodes, s));
-            let Some(near) = meeting(x, plain(tangent), other.map(plain)) else {
+            let Some(near) = face.met(s, other) else {
                 continue;
             };
             let r = face.hit(s, other, near);

@@ -17,6 +17,7 @@ use super::number::Second;
 use super::pair::{Pair, Placed};
 use super::piece::{INPUTS, NODES, Section};
 use super::probing::Probing;
+use super::slip::Sliding;
 use crate::contact::shares::add_equal_columns;
 use crate::contact::{ContactSurface, Deformed, Linearisation, Measure};
 use crate::linalg::{SparseRows, SparseRowsBuilder};
@@ -34,6 +35,8 @@ pub struct PairSurface {
     functions: Vec<[u32; 3]>,
     /// Gaps and rows of all columns at rest, of a linear body.
     at_rest: Option<Linearisation>,
+    /// Rows of slips at rest, of a linear body with friction.
+    pub(super) sliding_at_rest: Option<Sliding>,
 }
 
 /// What surfaces lie on.
@@ -115,6 +118,7 @@ impl PairSurface {
             functions: functions.collect(),
             pair,
             at_rest: None,
+            sliding_at_rest: None,
         }
     }
 
@@ -125,7 +129,7 @@ impl PairSurface {
     }
 
     /// What `task` makes of the surfaces where `body` has them.
-    fn placed<T>(&self, body: &Deformed<'_>, task: impl FnOnce(&Placed<'_>) -> T) -> T {
+    pub(super) fn placed<T>(&self, body: &Deformed<'_>, task: impl FnOnce(&Placed<'_>) -> T) -> T {
         let place = |node: u32| {
             let [x, y, _] = body.place(node as usize);
             [x, y]
@@ -196,14 +200,30 @@ impl PairSurface {
         }
     }
 
-    fn add_gaps(&self, face: usize, own: [f64; 3], gaps: &mut [f64]) {
+    /// Values of functions by the faces `[faces]`.
+    pub(super) fn of_faces(&self, values: &[f64]) -> Vec<[f64; 3]> {
+        let faces = self.functions.iter();
+        let of_face = |own: &[u32; 3]| own.map(|function| values[function as usize]);
+        faces.map(of_face).collect()
+    }
+
+    /// The functions of a face.
+    pub(super) fn functions_of(&self, face: usize) -> [u32; 3] {
+        self.functions[face]
+    }
+
+    pub(super) fn add_gaps(&self, face: usize, own: [f64; 3], gaps: &mut [f64]) {
         for (&function, gap) in self.functions[face].iter().zip(own) {
             gaps[function as usize] += gap;
         }
     }
 
     /// Gaps of multipliers without a partner `[multipliers]`; none of others.
-    fn uncovered(&self, placed: &Placed<'_>, surface: &ContactSurface) -> Vec<Option<f64>> {
+    pub(super) fn uncovered(
+        &self,
+        placed: &Placed<'_>,
+        surface: &ContactSurface,
+    ) -> Vec<Option<f64>> {
         let mut sums = [0, 1].map(|_| vec![0.0; surface.carriers.len()]);
         for (face, own) in placed.covered().into_iter().enumerate() {
             for (sums, own) in sums.iter_mut().zip(own) {
@@ -229,9 +249,7 @@ impl PairSurface {
         let mut rows = vec![Vec::new(); body.space.displacement_unknowns()];
         if body.measure == Measure::Deformed {
             let coefficients = surface.shares.spread(pressures);
-            let factors = self.functions.iter();
-            let factors = factors.map(|own| own.map(|function| coefficients[function as usize]));
-            let factors: Vec<[f64; 3]> = factors.collect();
+            let factors = self.of_faces(&coefficients);
             self.placed(body, |placed| {
                 for (nodes, sum) in placed.second(&factors) {
                     add_block(&nodes, &sum, held, &mut rows);
@@ -255,10 +273,21 @@ impl PairSurface {
     ) -> PairForce {
         let free = vec![false; body.space.displacement_unknowns()];
         let rows = self.linearise(body, surface, &free).rows;
+        let pushing: Vec<f64> = pressures.iter().map(|pressure| -pressure).collect();
+        self.forces_of(body, &rows, &pushing)
+    }
+
+    /// Forces of multipliers `values` along `rows` of unknowns on both bodies.
+    pub fn forces_of(
+        &self,
+        body: &Deformed<'_>,
+        rows: &[Vec<(u32, f64)>],
+        values: &[f64],
+    ) -> PairForce {
         let mut forces = vec![[0.0; 2]; body.space.nodes()];
-        for (row, pressure) in rows.iter().zip(pressures) {
+        for (row, factor) in rows.iter().zip(values) {
             for &(unknown, value) in row {
-                forces[unknown as usize / 2][unknown as usize % 2] -= value * pressure;
+                forces[unknown as usize / 2][unknown as usize % 2] += value * factor;
             }
         }
         let others = self.pair.other.faces.iter().flat_map(|face| face.nodes);
@@ -280,7 +309,7 @@ impl PairSurface {
 }
 
 /// The two unknowns of each node of a piece.
-fn unknowns(nodes: &[u32; NODES]) -> impl Iterator<Item = u32> + '_ {
+pub(super) fn unknowns(nodes: &[u32; NODES]) -> impl Iterator<Item = u32> + '_ {
     nodes.iter().flat_map(|&node| [2 * node, 2 * node + 1])
 }
 
@@ -302,7 +331,7 @@ fn add_block(
     }
 }
 
-fn keep_free(row: &mut Vec<(u32, f64)>, held: &[bool]) {
+pub(super) fn keep_free(row: &mut Vec<(u32, f64)>, held: &[bool]) {
     row.retain(|&(unknown, _)| !held[unknown as usize]);
 }
 

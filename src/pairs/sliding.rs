@@ -1,0 +1,181 @@
+//! Slips of a surface of multipliers along the other surface ([`super::slip`]), with what tractions do
+//! on both, as friction asks for them.
+//!
+//! ```text
+//! slip_j = S_j,   rows R_j (columns on both surfaces),   force of tractions - sum_j t_j R_j
+//! ```
+//!
+//! Shapes: `[multipliers]`, rows by displacement unknowns, non-dimensional. A linear body has R where
+//! it is at rest and S = R (u - u0). Functions without a partner have no slip and no row.
+
+use super::pair::Placed;
+use super::piece::NODES;
+use super::slip::Sliding;
+use super::surface::{PairSurface, keep_free, unknowns};
+use crate::contact::shares::add_equal_columns;
+use crate::contact::{ContactSurface, Deformed, Measure};
+use crate::linalg::{SparseRows, SparseRowsBuilder};
+
+/// Entries by unknown.
+type Row = Vec<(u32, f64)>;
+
+impl PairSurface {
+    /// Takes the rows of slips where the linear `body` is at rest.
+    pub fn freeze_sliding(&mut self, body: &Deformed<'_>, surface: &ContactSurface) {
+        let rest = self.sliding_where_it_is(body, body.displacement, surface);
+        self.sliding_at_rest = Some(rest);
+    }
+
+    /// Slips since nodes were displaced by `start` `[displacement unknowns]`.
+    pub fn sliding(&self, body: &Deformed<'_>, start: &[f64], surface: &ContactSurface) -> Sliding {
+        let Some(rest) = &self.sliding_at_rest else {
+            return self.sliding_where_it_is(body, start, surface);
+        };
+        let change = |row: &Row| -> f64 {
+            let by = |&(k, value): &(u32, f64)| {
+                let k = k as usize;
+                value * (body.displacement[k] - start[k])
+            };
+            row.iter().map(by).sum()
+        };
+        Sliding {
+            slips: rest.rows.iter().map(change).collect(),
+            ..rest.clone()
+        }
+    }
+
+    fn sliding_where_it_is(
+        &self,
+        body: &Deformed<'_>,
+        start: &[f64],
+        surface: &ContactSurface,
+    ) -> Sliding {
+        let place = place_at(body, start);
+        self.placed(body, |placed| {
+            let count = surface.carriers.len();
+            let [mut slips, mut weights, mut x, mut y] = [0; 4].map(|_| vec![0.0; count]);
+            let mut rows: Vec<Row> = vec![Vec::new(); count];
+            for part in placed.slid(&place) {
+                self.add_gaps(part.face, part.slips, &mut slips);
+                self.add_gaps(part.face, part.areas, &mut weights);
+                self.add_gaps(part.face, part.tangents[0], &mut x);
+                self.add_gaps(part.face, part.tangents[1], &mut y);
+                self.add_rows((part.face, &part.nodes), &part.rows, &mut rows);
+            }
+            let shares = &surface.shares;
+            let [x, y] = [x, y].map(|own| shares.gather(own));
+            Sliding {
+                tangents: x.into_iter().zip(y).map(|(x, y)| [x, y]).collect(),
+                slips: shares.gather(slips),
+                weights: shares.gather(weights),
+                rows: self.finished(rows, (placed, surface)),
+            }
+        })
+    }
+
+    /// dS `[multipliers]` without `held` columns; none of a linear body, whose rows are dS.
+    pub fn sliding_change(
+        &self,
+        (body, surface): (&Deformed<'_>, &ContactSurface),
+        start: &[f64],
+        held: &[bool],
+    ) -> Option<Vec<Row>> {
+        if body.measure != Measure::Deformed {
+            return None;
+        }
+        let place = place_at(body, start);
+        let mut rows = self.placed(body, |placed| {
+            let mut rows: Vec<Row> = vec![Vec::new(); surface.carriers.len()];
+            for part in placed.slips_first(&place) {
+                let own = part.gaps.map(|gap| gap.first);
+                self.add_rows((part.face, &part.nodes), &own, &mut rows);
+            }
+            self.finished(rows, (placed, surface))
+        });
+        rows.iter_mut().for_each(|row| keep_free(row, held));
+        Some(rows)
+    }
+
+    /// What `tractions` `[multipliers]` take off the stiffness, without `held` rows and columns; none
+    /// of a linear body.
+    pub fn traction_change(
+        &self,
+        body: &Deformed<'_>,
+        (surface, tractions): (&ContactSurface, &[f64]),
+        held: &[bool],
+    ) -> Option<SparseRows> {
+        if body.measure != Measure::Deformed {
+            return None;
+        }
+        let coefficients = surface.shares.spread(tractions);
+        let factors: Vec<[f64; 3]> = self.of_faces(&coefficients);
+        let mut rows: Vec<Row> = vec![Vec::new(); body.space.displacement_unknowns()];
+        self.placed(body, |placed| {
+            for (nodes, change) in placed.traction_changes(&factors) {
+                let columns: Vec<u32> = unknowns(&nodes).collect();
+                for (&row, entries) in columns.iter().zip(change.iter()) {
+                    let own = columns.iter().copied().zip(entries.iter().copied());
+                    if !held[row as usize] {
+                        rows[row as usize].extend(own);
+                    }
+                }
+            }
+        });
+        let mut builder = SparseRowsBuilder::new(rows.len());
+        for mut row in rows {
+            add_equal_columns(&mut row);
+            keep_free(&mut row, held);
+            row.retain(|&(_, value)| value != 0.0);
+            builder.push_row(&mut row);
+        }
+        Some(builder.finish())
+    }
+
+    /// Adds rows of the three functions of a face to those of all `[functions]`.
+    fn add_rows<const N: usize>(
+        &self,
+        (face, nodes): (usize, &[u32; NODES]),
+        own: &[[f64; N]; 3],
+        rows: &mut [Row],
+    ) {
+        for (function, own) in self.functions_of(face).into_iter().zip(own) {
+            let entries = unknowns(nodes).zip(own.iter().copied());
+            rows[function as usize].extend(entries);
+        }
+    }
+
+    /// Rows of the multipliers; nothing in those without a partner.
+    fn finished(
+        &self,
+        mut rows: Vec<Row>,
+        (placed, surface): (&Placed<'_>, &ContactSurface),
+    ) -> Vec<Row> {
+        rows.iter_mut().for_each(add_equal_columns);
+        let mut rows = surface.shares.gather_rows(rows);
+        let uncovered = self.uncovered(placed, surface);
+        for (row, _) in rows
+            .iter_mut()
+            .zip(&uncovered)
+            .filter(|(_, far)| far.is_some())
+        {
+            row.clear();
+        }
+        rows
+    }
+}
+
+/// Where nodes are that `start` displaces.
+fn place_at<'a>(body: &Deformed<'a>, start: &'a [f64]) -> impl Fn(u32) -> [f64; 2] + Sync + 'a {
+    let at = Deformed {
+        displacement: start,
+        mesh: body.mesh,
+        scale: body.scale,
+        space: body.space,
+        rule: body.rule,
+        measure: body.measure,
+    };
+    move |node| {
+        let [x, y, _] = at.place(node as usize);
+        [x, y]
+    }
+}
