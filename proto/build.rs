@@ -36,9 +36,10 @@ fn main() -> Outcome<()> {
 }
 
 /// Messages that become JSON as they are.
-const SERIALISED: [&str; 24] = [
+const SERIALISED: [&str; 25] = [
     "Attempt",
     "BodyContactResult",
+    "BodyFriction",
     "CauseSite",
     "ContactInterval",
     "FluidResult",
@@ -106,6 +107,10 @@ fn serialised(mut builder: Builder) -> Builder {
         )
         .field_attribute(
             "signorini.v1.StepReport.goals_refused",
+            "#[serde(skip_serializing_if = \"Option::is_none\")]",
+        )
+        .field_attribute(
+            "signorini.v1.BodyContactResult.friction",
             "#[serde(skip_serializing_if = \"Option::is_none\")]",
         )
         .field_attribute(

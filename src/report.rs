@@ -213,6 +213,30 @@ pub struct BodyContactResult {
     pub peak_pressure: f64,
     /// Where that is in the deformed body `[3]`; none without contact.
     pub peak_pressure_place: Option<[f64; 3]>,
+    /// What friction does; none without.
+    pub friction: Option<BodyFriction>,
+}
+
+/// Friction between two bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyFriction {
+    /// Part of the contact's force that tractions exert `[3]`, on the body named first.
+    pub tangential_force: [f64; 3],
+    /// Points of the pressure that stick.
+    pub stick_vertices: u32,
+    /// Points that slip.
+    pub slip_vertices: u32,
+    /// Points without pressure.
+    pub open_vertices: u32,
+    /// Largest slip of the increment, length.
+    pub max_slip: f64,
+    /// Least share of its bound that the traction of a point that sticks has left; none where none
+    /// sticks.
+    pub stick_margin: Option<f64>,
+    /// Energy that friction has dissipated in the increment.
+    pub dissipated_energy: f64,
+    /// The same from the start.
+    pub dissipated_total: f64,
 }
 
 /// Reaction of one support.

@@ -13,13 +13,17 @@
 //! body, over the deformed one of a body of finite strain. What a
 //! support holds at the node of a point drops out of its traction and its slip.
 //!
-//! Points stand obstacle by obstacle in the order of its multipliers; where two frictional
+//! Between bodies the slip is that along the other one's surface ([`between`]).
+//!
+//! Points stand obstacle by obstacle in the order of its multipliers, then contact by contact between
+//! bodies; where two frictional
 //! obstacles have a common multiplier each has a point of its own on its own faces. Numbers
 //! of a point lie side by side, after all pressures.
 //! Cost: the mass of the traces once; then a sparse product, and mean normals of curved
 //! obstacles, an evaluation.
 
 mod area;
+mod between;
 mod frame;
 mod points;
 mod traces;
@@ -38,6 +42,7 @@ use crate::geometry::vector3::{add, dot, scale, sub};
 use crate::obstacle::Moving;
 use crate::plan::Plan;
 use crate::saddle::{Components, FrictionBound, Status};
+use between::PairPoints;
 use frame::{frame, normals};
 use points::{guided, points_of};
 use traces::Traces;
@@ -61,6 +66,10 @@ pub(crate) struct Friction {
     pub(crate) partners: Arc<[u32]>,
     /// Integrals over the undeformed surface.
     at_rest: Arc<Traces>,
+    /// Number of the points on obstacles, which come first.
+    pub(crate) on_obstacles: usize,
+    /// Frictional contacts between bodies.
+    pub(crate) pairs: Vec<PairPoints>,
 }
 
 /// Where an increment began.
@@ -163,7 +172,27 @@ impl Friction {
             partners.extend_from_slice(multipliers);
             surfaces.push(*surface);
         }
+        let on_obstacles = points.len();
+        let mut pairs = Vec::new();
+        for (pair, planned) in plan.problem.pairs.iter().enumerate() {
+            let interface = obstacles.len() + pair;
+            let Some((multipliers, surface)) =
+                list.get(interface).filter(|_| planned.is_frictional())
+            else {
+                continue;
+            };
+            let first = points.len();
+            let components = body.space.components;
+            points.extend(points_of((plan, &guided), components, (interface, surface)));
+            partners.extend_from_slice(multipliers);
+            pairs.push(PairPoints {
+                interface,
+                points: first..points.len(),
+            });
+        }
         (!points.is_empty()).then(|| Self {
+            on_obstacles,
+            pairs,
             points,
             components,
             first,
@@ -179,10 +208,14 @@ impl Friction {
 
     /// The law where `drive` has the coefficients.
     pub(crate) fn law(&self, plan: &Plan, drive: &Drive) -> Law {
-        let bound = |point: &Point| match plan.problem.obstacles[point.obstacle].tresca {
+        let obstacles = &plan.problem.obstacles;
+        let bound = |point: &Point| match tresca(plan, point.obstacle) {
             Some(bound) => FrictionBound::Tresca(bound / plan.problem.units.stress),
             None => {
-                let coefficient = drive.friction[point.obstacle];
+                let coefficient = match point.obstacle.checked_sub(obstacles.len()) {
+                    None => drive.friction[point.obstacle],
+                    Some(pair) => plan.problem.pairs[pair].friction,
+                };
                 let is_felt = coefficient > NEGLIGIBLE * plan.problem.settings.tolerance;
                 FrictionBound::Coulomb(if is_felt { coefficient } else { 0.0 })
             }
@@ -254,6 +287,26 @@ impl Friction {
             .collect()
     }
 
+    /// How far all points have moved along their tangents since `start`, weighted, and their weights.
+    fn ways(
+        &self,
+        (model, state): (&Model<'_>, &State),
+        frames: &[Frame],
+        start: &SlipStart,
+    ) -> Vec<([f64; 2], f64)> {
+        let traces = self.traces(model, state);
+        let travels = self.travels(&traces, (model, state), start);
+        let tools = frames.iter().zip(travels).zip(&traces.weights);
+        let mut ways: Vec<([f64; 2], f64)> = tools
+            .map(|((frame, travel), &weight)| (frame.map(|t| dot(t, travel)), weight))
+            .collect();
+        for own in self.between(model, state) {
+            let along = own.sliding.slips.iter().zip(&own.sliding.weights);
+            ways.extend(along.map(|(&slip, &weight)| ([slip, 0.0], weight)));
+        }
+        ways
+    }
+
     /// Tangents of all points at a state `[points]`.
     pub(crate) fn frames(&self, model: &Model<'_>, state: &State) -> Vec<Frame> {
         let mut frames = Vec::with_capacity(self.points.len());
@@ -276,6 +329,7 @@ impl Friction {
             );
             points = rest;
         }
+        frames.extend(self.frames_between(model, state));
         frames
     }
 
@@ -283,10 +337,12 @@ impl Friction {
     pub(crate) fn linearised(&self, model: &Model<'_>, state: &State, held: &[bool]) -> Slips {
         let frames = self.frames(model, state);
         let traces = self.traces(model, state);
-        Slips {
-            slip: self.slips((&frames, &traces), model, state),
+        let mut slips = Slips {
+            slip: self.slips_on_obstacles((&frames, &traces), model, state),
             rows: self.rows((&frames, &traces), model, held),
-        }
+        };
+        self.add_between((model, state), held, &mut slips);
+        slips
     }
 
     /// Slip since the increment began in given frames `[points * components]`; zero where
@@ -297,10 +353,23 @@ impl Friction {
         model: &Model<'_>,
         state: &State,
     ) -> Vec<f64> {
+        let mut slips = self.slips_on_obstacles((frames, traces), model, state);
+        let between = self.between(model, state).into_iter();
+        slips.extend(between.flat_map(|own| own.sliding.slips));
+        slips
+    }
+
+    /// The same on obstacles.
+    fn slips_on_obstacles(
+        &self,
+        (frames, traces): (&[Frame], &Traces),
+        model: &Model<'_>,
+        state: &State,
+    ) -> Vec<f64> {
         let width = self.components.count();
         let travels = match &model.conditions.slip_start {
             Some(start) => self.travels(traces, (model, state), start),
-            None => vec![[0.0; 3]; self.points.len()],
+            None => vec![[0.0; 3]; self.on_obstacles],
         };
         let pairs = frames.iter().zip(travels);
         pairs
@@ -311,7 +380,7 @@ impl Friction {
             .collect()
     }
 
-    /// Rows of -ds/du in given frames.
+    /// Rows of -ds/du in given frames, of points on obstacles.
     pub(crate) fn rows(
         &self,
         (frames, traces): (&[Frame], &Traces),
@@ -320,7 +389,7 @@ impl Friction {
     ) -> Vec<Vec<(u32, f64)>> {
         let c = model.prepared.space.components;
         let mut rows = Vec::with_capacity(self.size());
-        for (point, frame) in frames.iter().enumerate() {
+        for (point, frame) in frames.iter().take(self.on_obstacles).enumerate() {
             let (nodes, values) = traces.rows.row(point);
             for tangent in &frame[..self.components.count()] {
                 let mut row = Vec::new();
@@ -336,6 +405,15 @@ impl Friction {
     }
 }
 
+/// Bound on tractions at an obstacle, or at a contact between bodies after all of these.
+fn tresca(plan: &Plan, number: usize) -> Option<f64> {
+    let obstacles = &plan.problem.obstacles;
+    match number.checked_sub(obstacles.len()) {
+        None => obstacles[number].tresca,
+        Some(pair) => plan.problem.pairs[pair].tresca,
+    }
+}
+
 /// Notes in the state how far its points have slipped since the increment began, what that
 /// has cost, and what of their way no slip explains: within the tolerance points move that
 /// stick, and where that was forgotten, ten thousand small increments would drag them anywhere.
@@ -345,21 +423,22 @@ pub(crate) fn note_slip(model: &Model<'_>, state: &mut State) {
         return;
     };
     let frames = friction.frames(model, state);
-    let traces = friction.traces(model, state);
-    let travels = friction.travels(&traces, (model, state), start);
+    let ways = friction.ways((model, state), &frames, start);
     state.slip.increment.fill(0.0);
     for (number, point) in friction.points.iter().enumerate() {
-        let frame = &frames[number];
+        let (frame, (along, weight)) = (&frames[number], ways[number]);
         let vector = |[a, b]: [f64; 2]| add(scale(a, frame[0]), scale(b, frame[1]));
-        let along = frame.map(|tangent| dot(tangent, travels[number]));
         let (traction, status) = friction.traction(state, number);
         let slip = slip(along, traction, status);
+        let left = [along[0] - slip[0], along[1] - slip[1]];
         let is_pressed = state.multiplier[friction.partners[number] as usize] > 0.0;
-        let (travel, residue) = if is_pressed {
-            (
-                scale(traces.weights[number].recip(), vector(slip)),
-                vector([along[0] - slip[0], along[1] - slip[1]]),
-            )
+        let (travel, residue) = if is_pressed && weight > 0.0 {
+            let residue = if number < friction.on_obstacles {
+                vector(left)
+            } else {
+                [left[0], left[1], 0.0]
+            };
+            (scale(weight.recip(), vector(slip)), residue)
         } else {
             Default::default()
         };

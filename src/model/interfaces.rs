@@ -125,6 +125,13 @@ impl Interface {
         }
     }
 
+    /// Takes the rows of slips on another body where the linear `body` is at rest.
+    fn freeze_sliding(&mut self, body: &Deformed<'_>) {
+        if let Role::Pair(pair) = &mut self.role {
+            Arc::make_mut(pair).freeze_sliding(body, &self.surface);
+        }
+    }
+
     /// Whether what the surface meets has no curvature, so that its tangent needs none.
     fn is_flat(&self) -> bool {
         match &self.role {
@@ -199,6 +206,11 @@ impl Interfaces {
         };
         if !plan.problem.resolved.is_rubber() {
             list.iter_mut().for_each(|one| one.freeze(&body));
+            let own = list.iter_mut().skip(plan.problem.obstacles.len());
+            let rough = own.zip(&plan.problem.pairs);
+            for (one, _) in rough.filter(|(_, pair)| pair.is_frictional()) {
+                one.freeze_sliding(&body);
+            }
         }
         let surfaces = list.iter().map(|one| (&one.multipliers[..], &one.surface));
         let surfaces: Vec<(&[u32], &ContactSurface)> = surfaces.collect();

@@ -122,6 +122,16 @@ impl<'a> Model<'a> {
         frictional.map(|(index, (_, interface))| (index, interface))
     }
 
+    /// The interfaces of frictional contacts between bodies, in the order of their points.
+    pub(crate) fn frictional_pairs(&self) -> impl Iterator<Item = &'a Interface> {
+        let problem = &self.plan.problem;
+        let list = self.interfaces.list.iter().skip(problem.obstacles.len());
+        let rough = list
+            .zip(&problem.pairs)
+            .filter(|(_, pair)| pair.is_frictional());
+        rough.map(|(interface, _)| interface)
+    }
+
     /// Every surface with what it meets now, and what it met at `last`, from where tools have moved
     /// on; none of the latter where nothing presses on the body.
     pub(crate) fn placed_from(

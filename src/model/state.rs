@@ -79,10 +79,10 @@ pub(crate) struct SlipState {
     pub(crate) travel: Vec<f64>,
     /// What of its way no slip explains, weighted, at each point `[points * 3]`.
     pub(crate) residue: Vec<f64>,
-    /// Energy that each obstacle's friction has dissipated in the last increment
-    /// `[obstacles]`, non-dimensional.
+    /// Energy that the friction of each obstacle, and of each contact between bodies, has dissipated in
+    /// the last increment `[obstacles and contacts]`, non-dimensional.
     pub(crate) increment: Vec<f64>,
-    /// The same from the start `[obstacles]`.
+    /// The same from the start.
     pub(crate) total: Vec<f64>,
 }
 
@@ -93,7 +93,8 @@ impl SlipState {
             return Self::default();
         }
         let points = plan.problem.tangential_multipliers / (plan.problem.units.dimension - 1);
-        let obstacles = vec![0.0; plan.problem.obstacles.len()];
+        let contacts = plan.problem.obstacles.len() + plan.problem.pairs.len();
+        let obstacles = vec![0.0; contacts];
         Self {
             travel: vec![0.0; 3 * points],
             residue: vec![0.0; 3 * points],

@@ -2,6 +2,7 @@
 //! one or two at each multiplier of a frictional obstacle.
 
 use super::Plan;
+use super::pairs::PlannedPair;
 use super::surfaces::ContactLayout;
 use crate::scene::validate::ResolvedObstacle;
 use crate::scene::{ObstacleTarget, SceneError, Step, Violation};
@@ -41,14 +42,19 @@ pub(super) fn assign_friction(obstacles: &mut [ResolvedObstacle], steps: &[Step]
     }
 }
 
-/// Number of tractions of friction: one or two at each multiplier of a frictional obstacle.
+/// Number of tractions of friction: one or two at each multiplier of a frictional obstacle or contact
+/// between bodies.
 pub(super) fn tangential_multipliers(
-    obstacles: &[ResolvedObstacle],
-    layouts: &[ContactLayout],
+    (obstacles, layouts): (&[ResolvedObstacle], &[ContactLayout]),
+    (bodies, carriers): (&[PlannedPair], &[ContactLayout]),
     dimension: usize,
 ) -> usize {
     let pairs = obstacles.iter().zip(layouts);
     let frictional = pairs.filter(|(obstacle, _)| obstacle.is_frictional);
-    let points: usize = frictional.map(|(_, layout)| layout.multipliers.len()).sum();
+    let own = frictional.map(|(_, layout)| layout);
+    let between = bodies.iter().zip(carriers);
+    let between = between.filter(|(pair, _)| pair.is_frictional());
+    let all = own.chain(between.map(|(_, layout)| layout));
+    let points: usize = all.map(|layout| layout.multipliers.len()).sum();
     points * (dimension - 1)
 }

@@ -88,6 +88,12 @@ impl Plan {
             let facets = obstacle.facets.iter();
             facets.for_each(|facet| hash.update(facet.to_le_bytes()));
         }
+        let rough = self.problem.pairs.iter();
+        for pair in rough.filter(|pair| pair.is_frictional()) {
+            hash.update(b"rough pair");
+            let facets = pair.carrier.iter().chain(&pair.other);
+            facets.for_each(|facet| hash.update(facet.to_le_bytes()));
+        }
         let pairs = self.problem.pairs.iter();
         for side in pairs.flat_map(|pair| [&pair.carrier, &pair.other]) {
             hash.update(b"pair");

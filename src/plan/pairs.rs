@@ -23,12 +23,21 @@ pub(crate) struct PlannedPair {
     pub(crate) carrier: Vec<u32>,
     /// Facets of the other one.
     pub(crate) other: Vec<u32>,
+    /// Coefficient of Coulomb friction.
+    pub(crate) friction: f64,
+    /// Largest traction in its place, the caller's stress.
+    pub(crate) tresca: Option<f64>,
     /// Which side of the scene carries.
     side: usize,
     reason: &'static str,
 }
 
 impl PlannedPair {
+    /// Whether it has friction.
+    pub(crate) fn is_frictional(&self) -> bool {
+        self.friction > 0.0 || self.tresca.is_some()
+    }
+
     /// Whether the group that the scene names first carries.
     pub(crate) fn first_carries(&self) -> bool {
         self.side == 0
@@ -44,6 +53,8 @@ pub(super) fn choose(resolved: &Resolved, mesh: &Mesh) -> Vec<PlannedPair> {
             name: pair.name.clone(),
             carrier: pair.sides[side].clone(),
             other: pair.sides[1 - side].clone(),
+            friction: pair.friction,
+            tresca: pair.tresca,
             side,
             reason,
         }

@@ -136,8 +136,11 @@ fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> (Problem, Vec<u32>) {
     };
     let pairs = pairs::choose(&resolved, mesh);
     let surfaces = Surfaces::of(body, (&obstacles, &pairs), &resolved, contact_space);
-    let tangential_multipliers =
-        friction::tangential_multipliers(&obstacles, &surfaces.layouts, units.dimension);
+    let tangential_multipliers = friction::tangential_multipliers(
+        (&obstacles, &surfaces.layouts),
+        (&pairs, &surfaces.pair_layouts),
+        units.dimension,
+    );
     let multipliers = surfaces.contacts + tangential_multipliers + surfaces.guided;
     let problem = Problem {
         scene: scene.clone(),

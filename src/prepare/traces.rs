@@ -89,7 +89,7 @@ impl TraceDirections {
     }
 }
 
-/// Vertices that may touch frictional obstacles.
+/// Vertices that may touch frictional obstacles, or other bodies with friction.
 fn frictional_vertices(plan: &Plan, mesh: &Mesh) -> HashSet<u32> {
     let frictional = plan
         .problem
@@ -97,6 +97,10 @@ fn frictional_vertices(plan: &Plan, mesh: &Mesh) -> HashSet<u32> {
         .iter()
         .filter(|obstacle| obstacle.is_frictional);
     let facets = frictional.flat_map(|obstacle| &obstacle.facets);
+    let pairs = plan.problem.pairs.iter();
+    let pairs = pairs.filter(|pair| pair.is_frictional());
+    let sides = pairs.flat_map(|pair| pair.carrier.iter().chain(&pair.other));
+    let facets = facets.chain(sides);
     let corners = facets.flat_map(|&facet| mesh.facet(facet as usize));
     corners.copied().collect()
 }

@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::model::friction::{Frame, Friction};
 use crate::model::state::State;
 use crate::obstacle::Obstacle;
-use crate::report::ObstacleResult;
+use crate::report::{BodyContactResult, BodyFriction, ObstacleResult};
 use crate::saddle::Status;
 
 /// Adds what friction does to the results of the obstacles, in the caller's units.
@@ -71,6 +71,58 @@ pub(crate) fn add_friction(
         result.moment = add(result.moment, moment.map(|x| x * units.energy()));
         result.dissipated_energy = state.slip.increment[index] * units.energy();
         result.dissipated_total = state.slip.total[index] * units.energy();
+    }
+}
+
+/// Adds what friction does to the results of the contacts between bodies, in the caller's units.
+pub(crate) fn add_friction_between(
+    model: &Model<'_>,
+    state: &State,
+    results: &mut BTreeMap<String, BodyContactResult>,
+) {
+    let Some(friction) = &model.interfaces.friction else {
+        return;
+    };
+    let units = &model.plan.problem.units;
+    let law = friction.law(model.plan, &state.drive);
+    let radii = law.radii(&state.multiplier);
+    let body = model.deformed(&state.displacement);
+    for own in friction.between(model, state) {
+        let name = own.name;
+        let planned = model.plan.problem.pairs.iter().find(|one| one.name == name);
+        let (Some(planned), Some(result)) = (planned, results.get_mut(name)) else {
+            continue;
+        };
+        let tractions = own.points.clone().map(|point| friction.first + point);
+        let tractions: Vec<f64> = tractions.map(|m| state.multiplier[m]).collect();
+        let forces = own.pair.forces_of(&body, &own.sliding.rows, &tractions);
+        let (force, moment) = if planned.first_carries() {
+            (forces.on_carrier, forces.moment)
+        } else {
+            (forces.on_other, forces.other_moment)
+        };
+        let mut done = ObstacleResult::default();
+        for (number, traction) in own.points.clone().zip(&tractions) {
+            let margin = 1.0 - traction.abs() / radii[number];
+            count(&mut done, friction, (number, margin), state);
+            let travel = &state.slip.travel[3 * number..3 * number + 3];
+            let slip = travel.iter().fold(0.0, |sum: f64, x| sum.hypot(*x)) * units.length;
+            done.max_slip = done.max_slip.max(slip);
+        }
+        let place = friction.points[own.points.start].obstacle;
+        let tangential = [force[0] * units.force(), force[1] * units.force(), 0.0];
+        result.force = add(result.force, tangential);
+        result.moment[2] += moment * units.energy();
+        result.friction = Some(BodyFriction {
+            tangential_force: tangential,
+            stick_vertices: done.stick_vertices,
+            slip_vertices: done.slip_vertices,
+            open_vertices: done.open_vertices,
+            max_slip: done.max_slip,
+            stick_margin: done.stick_margin,
+            dissipated_energy: state.slip.increment[place] * units.energy(),
+            dissipated_total: state.slip.total[place] * units.energy(),
+        });
     }
 }
 
@@ -133,12 +185,8 @@ pub(crate) fn slip(model: &Model<'_>, state: &State) -> Option<Vec<f64>> {
 fn at_vertices(model: &Model<'_>, of_point: impl Fn(usize) -> [f64; 3]) -> Vec<f64> {
     let mut out = vec![0.0; 3 * model.mesh.vertex_count()];
     let mut first = 0;
-    let obstacles = model
-        .interfaces
-        .list
-        .iter()
-        .zip(&model.plan.problem.obstacles);
-    for (interface, _) in obstacles.filter(|(_, planned)| planned.is_frictional) {
+    let own = model.frictional().map(|(_, interface)| interface);
+    for interface in own.chain(model.frictional_pairs()) {
         let surface = &interface.surface;
         for (function, &node) in (0..).zip(&surface.carriers) {
             let Some(&uploaded) = model.mesh.used_vertices().get(node as usize) else {

@@ -20,13 +20,13 @@ use crate::model::internal::Internal;
 use crate::model::internal::internal;
 use crate::model::state::State;
 use crate::model::values::displacement_at;
-use crate::report::{ObstacleResult, ProbeResult, StepReport, Termination};
+use crate::report::{BodyContactResult, ObstacleResult, ProbeResult, StepReport, Termination};
 use crate::results::errors::manufactured_errors;
 use crate::results::estimate::{estimate, force_error};
 use crate::results::fields::{is_sheet, jacobian, pressure_share};
 use crate::results::finite_strain::{jacobian_bound, undeformed_pressure};
 use crate::results::fluids;
-use crate::results::friction::add_friction;
+use crate::results::friction::{add_friction, add_friction_between};
 use crate::results::geometry_error::geometry_error;
 use crate::results::reactions::reactions;
 use crate::results::touch::{Touch, pressed_facets};
@@ -60,7 +60,7 @@ pub(crate) fn report(
         snapped: ending.snapped.map(|snap| snap.in_units(units)),
         max_penetration: ending.max_penetration * units.length,
         obstacles: obstacles(model, state, estimated.as_ref()),
-        contacts: Touching::of(model, state).between_bodies(),
+        contacts: contacts(model, state),
         supports: reactions(model, state, inside.force),
         fluids: fluids::results(model, state, ending, counters.fluid_rounds),
         probes: probes(model, state),
@@ -157,6 +157,13 @@ fn obstacles(
         result.max_pressure_deformed = own.map(|_| result.max_pressure);
     });
     add_friction(model, state, &mut results);
+    results
+}
+
+/// Results of all contacts between bodies.
+fn contacts(model: &Model<'_>, state: &State) -> BTreeMap<String, BodyContactResult> {
+    let mut results = Touching::of(model, state).between_bodies();
+    add_friction_between(model, state, &mut results);
     results
 }
 

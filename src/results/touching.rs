@@ -125,6 +125,7 @@ impl<'a> Touching<'a> {
             mean_pressure: (area > 0.0).then(|| found.normal_force * units.force() / area),
             peak_pressure: extent.peak.map_or(0.0, |(value, _)| value * units.stress),
             peak_pressure_place: extent.peak.map(|(_, at)| at.map(|x| x * units.length)),
+            friction: None,
         }
     }
 

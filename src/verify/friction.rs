@@ -83,7 +83,39 @@ pub(super) fn residuals(
     misfit
 }
 
-/// S of all points; adds the tractions `vectors` to `force`.
+/// S of the points of contacts between bodies, by the solver's own integrals; adds the forces of their
+/// tractions to `force`.
+fn between_bodies((model, state): (&Model<'_>, &State), force: &mut [[f64; 3]]) -> Vec<[f64; 3]> {
+    let Some(friction) = &model.interfaces.friction else {
+        return Vec::new();
+    };
+    let units = &model.plan.problem.units;
+    let frames = friction.frames(model, state);
+    let mut pushed = vec![0.0; state.displacement.len()];
+    let mut slid = Vec::new();
+    for own in friction.between(model, state) {
+        let tractions = &state.multiplier[friction.first..][own.points.clone()];
+        let rows = own.sliding.rows.iter();
+        for (row, traction) in rows.clone().zip(tractions) {
+            for &(unknown, value) in row {
+                pushed[unknown as usize] += value * traction * units.force();
+            }
+        }
+        let slips = own.sliding.slips.iter().zip(rows);
+        for ((&slip, row), frame) in slips.zip(&frames[own.points]) {
+            let slip = if row.is_empty() { 0.0 } else { slip };
+            slid.push(scale(units.length * units.area() * slip, frame[0]));
+        }
+    }
+    let space = &model.prepared.space;
+    let nodes = space.node_forces(&pushed);
+    for (own, pushed) in force.iter_mut().zip(nodes.chunks_exact(space.components)) {
+        own.iter_mut().zip(pushed).for_each(|(sum, x)| *sum += x);
+    }
+    slid
+}
+
+/// S of all points; adds their tractions `vectors` to `force`.
 fn travels(
     (model, state): (&Model<'_>, &State),
     faces: &Faces<'_, '_>,
@@ -131,6 +163,7 @@ fn travels(
         let slid: Vec<[f64; 3]> = slid.collect();
         all.extend(slid);
     }
+    all.extend(between_bodies((model, state), force));
     all
 }
 

@@ -7,6 +7,7 @@ mod box_of_two;
 mod boxes;
 mod cylinders;
 mod floating;
+mod friction;
 mod mirrors;
 mod objectivity;
 mod patches;

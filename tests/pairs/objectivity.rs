@@ -9,13 +9,13 @@ use crate::common::{assert_converged, solve};
 use signorini::{EdgeOffset, Mesh, Scene, StepReport};
 
 /// x turned by `angle` about the origin.
-fn turned([x, y, z]: [f64; 3], angle: f64) -> [f64; 3] {
+pub(crate) fn turned([x, y, z]: [f64; 3], angle: f64) -> [f64; 3] {
     let (sine, cosine) = angle.sin_cos();
     [cosine * x - sine * y, sine * x + cosine * y, z]
 }
 
 /// A half disc over a slab, turned.
-fn mesh(angle: f64) -> Arc<Mesh> {
+pub(crate) fn mesh(angle: f64) -> Arc<Mesh> {
     let straight = curved_file("pair_slide");
     let offsets = straight.edge_offsets().iter().map(|edge| EdgeOffset {
         ends: edge.ends,

@@ -78,6 +78,7 @@ pub(crate) fn between(first: &str, second: &str) -> Vec<ContactPair> {
         name: "pair".to_owned(),
         between: [first.to_owned(), second.to_owned()],
         carries: Some(first.to_owned()),
+        ..ContactPair::default()
     }]
 }
 

@@ -389,11 +389,13 @@ class Pressure(Part):
 
 @dataclass(kw_only=True)
 class BodyContact(Part):
-    """Two groups of facets of different bodies that may touch and leave each other, without friction."""
+    """Two groups of facets of different bodies that may touch and leave each other."""
 
     name: str
     between: Sequence[str]
     carries: str | None = None
+    friction: float | None = None
+    tresca: float | None = None
 
 
 @dataclass(kw_only=True)

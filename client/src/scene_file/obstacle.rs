@@ -20,11 +20,16 @@ const PENETRATIONS: &[(&str, v1::InitialPenetration)] = &[
 
 /// Contacts between bodies.
 pub(super) fn contacts(scene: &Keys<'_>) -> Vec<v1::BodyContact> {
-    let tables = scene.tables("contact", &["name", "between", "carries"]);
+    let tables = scene.tables(
+        "contact",
+        &["name", "between", "carries", "friction", "tresca"],
+    );
     let contact = |(index, keys): (usize, &Keys<'_>)| v1::BodyContact {
         name: name_of(keys, "contact", index),
         between: keys.required_names("between"),
         carries: keys.text("carries").unwrap_or_default(),
+        friction: keys.number("friction"),
+        tresca: keys.number("tresca"),
     };
     tables.iter().enumerate().map(contact).collect()
 }

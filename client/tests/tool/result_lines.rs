@@ -216,6 +216,11 @@ fn contacts_between_bodies_are_told_and_scenes_without_have_no_word_of_them() {
         mean_pressure: Some(5.0),
         peak_pressure: 7.0,
         peak_pressure_place: vec![0.25, 0.0, 0.0],
+        friction: Some(v1::BodyFriction {
+            tangential_force: vec![0.5, 0.0, 0.0],
+            slip_vertices: 3,
+            ..Default::default()
+        }),
     };
     let open = v1::BodyContactResult {
         force: vec![0.0; 3],
@@ -233,6 +238,8 @@ fn contacts_between_bodies_are_told_and_scenes_without_have_no_word_of_them() {
         json!(0.5)
     );
     assert_eq!(contacts["gap"]["mean_pressure"], Value::Null);
+    assert_eq!(contacts["seat"]["friction"]["slip_vertices"], json!(3));
+    assert!(contacts["gap"].get("friction").is_none());
 }
 
 #[test]

@@ -126,6 +126,8 @@ fn paired_scene(mesh: &Mesh) -> wire::Scene {
         name: "seat".into(),
         between: vec!["top".into(), "base".into()],
         carries: "base".into(),
+        friction: Some(0.3),
+        tresca: None,
     };
     wire::Scene {
         contacts: vec![seat],

@@ -3,10 +3,10 @@
 use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
-    Attempt, BodyContactResult, Cause, CauseSite, ContactInterval, FluidResult, GoalReport,
-    IterationRecord, LeakPathResult, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals,
-    Seconds, Snapped, Stability, StepReport, Strategy, SupportResult, Termination, Tightness,
-    Unknowns, Warning,
+    Attempt, BodyContactResult, BodyFriction, Cause, CauseSite, ContactInterval, FluidResult,
+    GoalReport, IterationRecord, LeakPathResult, ManufacturedErrors, ObstacleResult, ProbeResult,
+    Residuals, Seconds, Snapped, Stability, StepReport, Strategy, SupportResult, Termination,
+    Tightness, Unknowns, Warning,
 };
 use signorini_proto::v1 as wire;
 
@@ -336,6 +336,20 @@ fn between_bodies(value: BodyContactResult) -> wire::BodyContactResult {
         mean_pressure: value.mean_pressure,
         peak_pressure: value.peak_pressure,
         peak_pressure_place: place.map(|place| place.to_vec()).unwrap_or_default(),
+        friction: value.friction.map(between_rough_bodies),
+    }
+}
+
+fn between_rough_bodies(value: BodyFriction) -> wire::BodyFriction {
+    wire::BodyFriction {
+        tangential_force: value.tangential_force.to_vec(),
+        stick_vertices: narrow(value.stick_vertices),
+        slip_vertices: narrow(value.slip_vertices),
+        open_vertices: narrow(value.open_vertices),
+        max_slip: value.max_slip,
+        stick_margin: value.stick_margin,
+        dissipated_energy: value.dissipated_energy,
+        dissipated_total: value.dissipated_total,
     }
 }
 

@@ -74,9 +74,16 @@ impl Friction {
         if model.is_rubber() {
             let turning = self.turning_of_tangents(model, state);
             let [rows, geometric] = area::change_of_area(self, (model, state));
-            return Some(Turning {
+            let own = Turning {
                 rows: turning.rows.plus(&rows),
                 geometric: turning.geometric.plus(&geometric),
+            };
+            return Some(match self.change_between(model, state) {
+                Some([rows, geometric]) => Turning {
+                    rows: own.rows.plus(&rows),
+                    geometric: own.geometric.plus(&geometric),
+                },
+                None => own,
             });
         }
         let is_flat = self.is_on_flats(model, state);
@@ -88,7 +95,7 @@ impl Friction {
         let traces = self.traces(model, state);
         let travels = match &model.conditions.slip_start {
             Some(start) => self.travels(&traces, (model, state), start),
-            None => vec![[0.0; 3]; self.points.len()],
+            None => vec![[0.0; 3]; self.on_obstacles],
         };
         let mut turning = Parts {
             friction: self,

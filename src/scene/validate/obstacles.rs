@@ -56,7 +56,7 @@ pub(crate) fn resolve<'a>(
         .map(|obstacle| {
             let path = format!("obstacle.{}", obstacle.name);
             check_shape(obstacle, mesh, faults);
-            check_friction(obstacle, &path, faults);
+            check_friction((obstacle.friction, obstacle.tresca), &path, faults);
             let on = format!("{path}.on");
             let facets = names::facets(mesh, &on, &obstacle.on, faults);
             names::refuse_inner_facets(mesh, &facets, on, faults);
@@ -69,11 +69,16 @@ pub(crate) fn resolve<'a>(
 }
 
 /// Refuses coefficients and bounds without meaning, and both together.
-fn check_friction(obstacle: &scene::Obstacle, path: &str, faults: &mut Faults) {
-    faults.not_negative(&format!("{path}.friction"), obstacle.friction);
-    if let Some(bound) = obstacle.tresca {
+/// Checks a coefficient of friction, or a bound in its place.
+pub(super) fn check_friction(
+    (friction, tresca): (f64, Option<f64>),
+    path: &str,
+    faults: &mut Faults,
+) {
+    faults.not_negative(&format!("{path}.friction"), friction);
+    if let Some(bound) = tresca {
         faults.not_negative(&format!("{path}.tresca"), bound);
-        if obstacle.friction != 0.0 {
+        if friction != 0.0 {
             faults.add(path, "give either friction or tresca, not both");
         }
     }

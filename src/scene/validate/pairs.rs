@@ -4,6 +4,7 @@
 
 use std::collections::BTreeSet;
 
+use super::obstacles::check_friction;
 use super::{Faults, ResolvedPair, names, parts};
 use crate::mesh::Mesh;
 use crate::scene::{ContactPair, MaterialModel, Scene, SceneKind};
@@ -108,10 +109,13 @@ fn one(
         }
         side
     });
+    check_friction((contact.friction, contact.tresca), &path, faults);
     ResolvedPair {
         name: contact.name.clone(),
         sides,
         named,
+        friction: contact.friction,
+        tresca: contact.tresca,
     }
 }
 

@@ -182,6 +182,10 @@ pub(crate) struct ResolvedPair {
     pub(crate) sides: [Vec<u32>; 2],
     /// Which side the scene has carry the pressure; none where it leaves that open.
     pub(crate) named: Option<usize>,
+    /// Coefficient of friction.
+    pub(crate) friction: f64,
+    /// Largest traction of friction in its place, the caller's stress.
+    pub(crate) tresca: Option<f64>,
 }
 
 /// A point that each result reports.

@@ -103,10 +103,17 @@ impl Canonical {
             name,
             between,
             carries,
+            friction,
+            tresca,
         } = contact;
         self.text(name);
         self.texts(between);
         self.text(carries.as_deref().unwrap_or_default());
+        if *friction != 0.0 || tresca.is_some() {
+            self.text("friction");
+            self.numbers(&[*friction]);
+            self.optional(*tresca);
+        }
     }
 
     fn fluid(&mut self, fluid: &Fluid) {

@@ -44,6 +44,18 @@ pub(super) fn contacts(lines: &mut Lines, report: &v1::StepReport) {
             ),
         };
         lines.add("", &said);
+        if let Some(friction) = &contact.friction {
+            let said = format!(
+                "friction force {}, {} stick, {} slip by {} at most, {} open, {} dissipated",
+                vector(&friction.tangential_force),
+                friction.stick_vertices,
+                friction.slip_vertices,
+                number(friction.max_slip),
+                friction.open_vertices,
+                number(friction.dissipated_total)
+            );
+            lines.add("", &said);
+        }
     }
 }
 

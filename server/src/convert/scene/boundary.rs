@@ -46,6 +46,10 @@ pub(super) fn contact(
         between: [0, 1].map(|_| groups.next().unwrap_or_default()),
         carries: (!message.carries.is_empty())
             .then(|| faults.name(&message.carries, &format!("{path}.carries"))),
+        friction: faults
+            .not_negative(message.friction, &format!("{path}.friction"))
+            .unwrap_or(0.0),
+        tresca: faults.not_negative(message.tresca, &format!("{path}.tresca")),
     }
 }
 

@@ -1,0 +1,145 @@
+//! Points of friction between bodies: slips along the other body's surface ([`crate::pairs::sliding`]).
+//!
+//! Their points stand after those of obstacles, contact by contact. What no slip explains of a way is
+//! a number along the surface, so that it turns with the bodies. Cost: see [`crate::pairs::slip`].
+
+use std::ops::Range;
+
+use super::{Frame, Friction, Slips};
+use crate::contact::ContactSurface;
+use crate::contact::shares::add_equal_columns;
+use crate::linalg::{SparseRows, SparseRowsBuilder};
+use crate::model::Model;
+use crate::model::state::State;
+use crate::pairs::{PairSurface, Sliding};
+
+/// Entries by unknown.
+type Row = Vec<(u32, f64)>;
+
+/// The points of one frictional contact between bodies.
+#[derive(Clone, Debug)]
+pub(crate) struct PairPoints {
+    /// Its place among all interfaces.
+    pub(super) interface: usize,
+    /// Its points.
+    pub(crate) points: Range<usize>,
+}
+
+/// A frictional contact between bodies at a state.
+pub(crate) struct Between<'a> {
+    /// Its points.
+    pub(crate) points: Range<usize>,
+    /// Name of the contact.
+    pub(crate) name: &'a str,
+    /// The surface that carries.
+    pub(crate) surface: &'a ContactSurface,
+    /// What it meets.
+    pub(crate) pair: &'a PairSurface,
+    /// Slips since the increment began.
+    pub(crate) sliding: Sliding,
+}
+
+impl Friction {
+    /// The frictional contacts between bodies with their slips since the increment began.
+    pub(crate) fn between<'a>(&self, model: &Model<'a>, state: &State) -> Vec<Between<'a>> {
+        let body = model.deformed(&state.displacement);
+        let start = model.conditions.slip_start.as_ref();
+        let from = start.map_or(&state.displacement[..], |start| start.displacement());
+        let one = |own: &PairPoints| {
+            let interface = &model.interfaces.list[own.interface];
+            let pair = interface.pair()?;
+            let mut sliding = pair.sliding(&body, from, &interface.surface);
+            for (place, slip) in sliding.slips.iter_mut().enumerate() {
+                let residue = start.map(|start| start.residue()[own.points.start + place][0]);
+                *slip = residue.map_or(0.0, |residue| *slip + residue);
+            }
+            Some(Between {
+                points: own.points.clone(),
+                name: &interface.name,
+                surface: &interface.surface,
+                pair,
+                sliding,
+            })
+        };
+        self.pairs.iter().filter_map(one).collect()
+    }
+
+    /// Tangents of the carriers at the points of all frictional contacts between bodies.
+    pub(super) fn frames_between(&self, model: &Model<'_>, state: &State) -> Vec<Frame> {
+        let all = self.between(model, state);
+        let tangents = all.iter().flat_map(|own| &own.sliding.tangents);
+        let frame = |&[x, y]: &[f64; 2]| {
+            let size = x.hypot(y);
+            let along = if size > 0.0 {
+                [x / size, y / size, 0.0]
+            } else {
+                [0.0; 3]
+            };
+            [along, [0.0; 3]]
+        };
+        tangents.map(frame).collect()
+    }
+
+    /// Adds slips and their rows, columns of `held` unknowns left out.
+    pub(super) fn add_between(
+        &self,
+        (model, state): (&Model<'_>, &State),
+        held: &[bool],
+        slips: &mut Slips,
+    ) {
+        for own in self.between(model, state) {
+            let rows = own.sliding.rows.iter().map(|row| negative(row, held));
+            let first = slips.rows.len();
+            slips.rows.extend(rows);
+            let moved = own.sliding.slips.iter().zip(&slips.rows[first..]);
+            // What nothing can move does not slip.
+            let moved = moved.map(|(&slip, row)| if row.is_empty() { 0.0 } else { slip });
+            slips.slip.extend(moved);
+        }
+    }
+
+    /// What the change of the surfaces adds to the rows of slips `[multipliers, displacement]`, and
+    /// what tractions take off the stiffness; none without such contacts of bodies of finite strain.
+    pub(super) fn change_between(
+        &self,
+        model: &Model<'_>,
+        state: &State,
+    ) -> Option<[SparseRows; 2]> {
+        if !model.is_rubber() || self.pairs.is_empty() {
+            return None;
+        }
+        let body = model.deformed(&state.displacement);
+        let held = &model.prepared.is_held;
+        let start = model.conditions.slip_start.as_ref();
+        let from = start.map_or(&state.displacement[..], |start| start.displacement());
+        let mut rows: Vec<Row> = vec![Vec::new(); state.multiplier.len()];
+        let mut geometric: Option<SparseRows> = None;
+        for own in self.between(model, state) {
+            let surface = own.surface;
+            let places = own.points.clone().map(|point| self.first + point);
+            let places: Vec<usize> = places.collect();
+            let changes = own.pair.sliding_change((&body, surface), from, held);
+            let pairs = changes.into_iter().flatten().zip(&own.sliding.rows);
+            for (&place, (change, row)) in places.iter().zip(pairs) {
+                rows[place] = negative(&change, held);
+                rows[place].extend(negative(row, held).iter().map(|&(k, value)| (k, -value)));
+                add_equal_columns(&mut rows[place]);
+            }
+            let tractions: Vec<f64> = places.iter().map(|&m| state.multiplier[m]).collect();
+            let change = own.pair.traction_change(&body, (surface, &tractions), held);
+            geometric = match (geometric, change) {
+                (Some(all), Some(own)) => Some(all.plus(&own)),
+                (all, own) => all.or(own),
+            };
+        }
+        let mut builder = SparseRowsBuilder::new(state.displacement.len());
+        rows.iter_mut().for_each(|row| builder.push_row(row));
+        Some([builder.finish(), geometric?])
+    }
+}
+
+/// Minus a row without `held` columns.
+fn negative(row: &Row, held: &[bool]) -> Row {
+    let free = row.iter().filter(|&&(k, _)| !held[k as usize]);
+    free.map(|&(k, value)| (k, -value)).collect()
+}
