@@ -22,7 +22,7 @@
 //! |---|---|
 //! | ground | [`report`] words of all reports; `constants` those of the solver's decisions, listed; [`parallel`] loops over pieces; [`linalg`] vectors, sparse and dense factors, the only door to faer; [`geometry`] points, tensors, rigid motions |
 //! | numbers wing | [`precond`] p-multigrid, P1 solvers, Schur metrics; [`krylov`] CG and GCR; [`saddle`] multiplier blocks and their admissible sets; [`inequality`] methods for blocks whose sets are not free |
-//! | mechanics wing | [`mesh`]; [`element`] rules and analytic fields; [`space`] numbering and interpolation; [`material`]; [`obstacle`]; [`assembly`] operators, masses, loads; [`contact`] gaps, guides and resultants; [`fluid`] what fluids reach of a surface, and the path of the first leak; [`proximity`] how near a tool is to faces, cells and on its path; [`pairs`] gaps between two surfaces of the body |
+//! | mechanics wing | [`mesh`]; [`element`] rules and analytic fields; [`space`] numbering and interpolation; [`material`]; [`obstacle`]; [`assembly`] operators, masses, loads; [`contact`] gaps, guides and resultants; [`fluid`] what fluids reach of a surface, and the path of the first leak; [`proximity`] how near a tool is to faces, cells and on its path; [`pairs`] gaps between two surfaces of the body; [`ties`] surfaces that are bonded, whose meshes need not match |
 //! | the problem | [`scene`] as data, its choices enums; [`plan`] resolved items, decisions with reasons; [`prepare`] what is expensive and shared |
 //! | the solver | `model` the body at a state, its residuals and tangent; `sqp` equilibrium under one drive: programs, search, what is learnt; `force_control` poses from forces; `stability`; `diagnosis` causes and where they lie; `continuation` the load path, and what follows a failure; [`session`] states that steps move |
 //! | the answer | `results` reports, fields, error estimates; `goals` functionals of a converged state, their dual solutions and derivatives; `verify` the same residuals by an independent path |
@@ -214,6 +214,7 @@
 #![doc = include_str!("decisions/0066-goals-by-one-dual-solution.md")]
 #![doc = include_str!("decisions/0067-gaps-by-volume.md")]
 #![doc = include_str!("decisions/0069-nested-bisection.md")]
+#![doc = include_str!("decisions/0070-ties-by-multipliers.md")]
 #![doc = include_str!("decisions/0071-meshes-by-goals.md")]
 
 #[macro_use]
@@ -253,6 +254,7 @@ pub mod session;
 pub mod space;
 mod sqp;
 mod stability;
+pub mod ties;
 mod verify;
 
 pub use comparisons::Comparisons;

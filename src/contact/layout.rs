@@ -59,17 +59,35 @@ impl Layout {
         is_held: &dyn Fn(u32) -> bool,
     ) -> Self {
         let sides = Sides::new(mesh, space, facets);
-        let mut layout = sides.functions();
-        let takers: Vec<Option<Vec<u32>>> = {
-            let held = sides.held(&layout, is_held);
-            let around = faces_around(&layout);
-            let functions = 0..layout.nodes.len();
-            functions
-                .map(|k| held[k].then(|| sides.nearest(&layout, (k, &around[k]), &held)))
-                .collect()
-        };
-        layout.shares = Shares::new(&takers);
-        layout
+        let layout = sides.functions();
+        let held = sides.held(&layout, is_held);
+        layout.given_away(&sides, &held)
+    }
+
+    /// The same with a multiplier a function.
+    pub fn of_sides(mesh: &Mesh, space: &TaylorHood, facets: &[u32]) -> Self {
+        Sides::new(mesh, space, facets).functions()
+    }
+
+    /// The functions of `facets` with multipliers but for those that are lost `[functions]`, which
+    /// the nearest others of their faces take over.
+    pub fn taken_over(
+        &self,
+        (mesh, space, facets): (&Mesh, &TaylorHood, &[u32]),
+        is_lost: &[bool],
+    ) -> Self {
+        let sides = Sides::new(mesh, space, facets);
+        self.clone().given_away(&sides, is_lost)
+    }
+
+    fn given_away(mut self, sides: &Sides<'_>, is_lost: &[bool]) -> Self {
+        let around = faces_around(&self);
+        let functions = 0..self.nodes.len();
+        let takers =
+            functions.map(|k| is_lost[k].then(|| sides.nearest(&self, (k, &around[k]), is_lost)));
+        let takers: Vec<Option<Vec<u32>>> = takers.collect();
+        self.shares = Shares::new(&takers);
+        self
     }
 }
 
@@ -159,6 +177,7 @@ impl<'a> Sides<'a> {
                     .for_each(|slot| layout.faces[slot / width][slot % width] = function);
             }
         }
+        layout.shares = Shares::identity(layout.nodes.len());
         layout
     }
 

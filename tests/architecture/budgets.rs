@@ -44,6 +44,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("space", 190, 0),
     ("sqp", 7036, 85),
     ("stability", 275, 5),
+    ("ties", 650, 5),
     ("verify", 1510, 11),
 ];
 

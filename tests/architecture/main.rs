@@ -62,6 +62,12 @@ const ROOMS: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "ties",
+        &[
+            "parallel", "pairs", "contact", "space", "linalg", "mesh", "element", "geometry",
+        ],
+    ),
+    (
         "proximity",
         &[
             "parallel", "contact", "space", "obstacle", "linalg", "assembly", "mesh", "element",
