@@ -239,6 +239,24 @@ pub struct BodyFriction {
     pub dissipated_total: f64,
 }
 
+/// A tie between two bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TieResult {
+    /// Force on the body of the group that the scene names first `[3]`; the other one has the
+    /// opposite force. About an axis of the full turn, along it.
+    pub force: [f64; 3],
+    /// Its moment on the deformed body about the origin `[3]`; zero about an axis.
+    pub moment: [f64; 3],
+    /// Undeformed area that is tied, per unit thickness in the plane.
+    pub area: f64,
+    /// How far the undeformed surfaces are apart, or inside each other, at most: length.
+    pub gap: f64,
+    /// Largest traction, per undeformed area.
+    pub peak_traction: f64,
+    /// Where that is in the deformed body `[3]`.
+    pub peak_traction_place: [f64; 3],
+}
+
 /// Reaction of one support.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SupportResult {
@@ -370,6 +388,8 @@ pub struct StepReport {
     pub obstacles: BTreeMap<String, ObstacleResult>,
     /// Contacts between bodies, by their names.
     pub contacts: BTreeMap<String, BodyContactResult>,
+    /// Ties between bodies, by their names.
+    pub ties: BTreeMap<String, TieResult>,
     /// Reaction of each support, by its name.
     pub supports: BTreeMap<String, SupportResult>,
     /// What each fluid does to the body, by its name.

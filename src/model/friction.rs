@@ -161,8 +161,9 @@ impl Friction {
         let (mut points, mut partners) = (Vec::new(), Vec::new());
         let mut surfaces = Vec::new();
         let (obstacles, others) = list.split_at(plan.problem.obstacles.len());
-        let guides = &others[plan.problem.pairs.len()..];
-        let guided = guided(guides.iter().map(|(_, surface)| *surface));
+        let patches: usize = plan.problem.patches().count();
+        let guides = others.iter().skip(plan.problem.pairs.len()).take(patches);
+        let guided = guided(guides.map(|(_, surface)| *surface));
         for (obstacle, (multipliers, surface)) in obstacles.iter().enumerate() {
             if !plan.problem.obstacles[obstacle].is_frictional {
                 continue;

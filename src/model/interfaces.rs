@@ -1,11 +1,11 @@
 //! The surfaces of the body that carry multipliers, with what each of them meets:
-//! candidate surfaces with their obstacles, carriers of contacts between bodies, then the smooth
-//! patches that supports hold along their normal. The multipliers of all of them stand one after
-//! the other.
+//! candidate surfaces with their obstacles, carriers of contacts between bodies, the smooth
+//! patches that supports hold along their normal, then carriers of ties, one interface a component.
+//! The multipliers of all of them stand one after the other.
 //!
 //! ```text
-//! multipliers:  obstacle 1 | ... | contact 1 | ... | patch 1 of support 1 | patch 2 | ...
-//! sets:         NonNegative ................... | Free ...........................
+//! multipliers:  obstacle 1 | ... | contact 1 | ... | patch 1 of support 1 | ... | tie 1, x | tie 1, y | ...
+//! sets:         NonNegative ................... | Free ...................................
 //! ```
 //!
 //! Obstacles have quadratic functions at all nodes or hats at the vertices, as the plan
@@ -36,10 +36,12 @@ use crate::pairs::{Ground, PairSurface, Section};
 use crate::plan::Plan;
 use crate::plan::pairs::PlannedPair;
 use crate::plan::surfaces::ContactLayout;
+use crate::plan::ties::PlannedTie;
 use crate::saddle::{AdmissibleSet, SetPart};
 use crate::scene::ContactSpace;
 use crate::scene::validate::ResolvedObstacle;
 use crate::space::TaylorHood;
+use crate::ties::Tied;
 
 /// Component of a unit normal that counts as one.
 const HELD_ALONG: f64 = 1e-9;
@@ -75,6 +77,8 @@ pub(crate) enum Role {
     Support(usize),
     /// A surface of another body, which the surface may touch from one side and leave.
     Pair(Arc<PairSurface>),
+    /// A surface of another body that moves along in one component.
+    Tie(Arc<Tied>),
 }
 
 impl Interface {
@@ -107,15 +111,28 @@ impl Interface {
 
     /// Whether an obstacle or another body meets the surface, from one side.
     pub(crate) fn is_contact(&self) -> bool {
-        !matches!(self.role, Role::Support(_))
+        matches!(self.role, Role::Contact(_) | Role::Pair(_))
     }
 
     /// The other surface, where that is one of another body.
     pub(crate) fn pair(&self) -> Option<&PairSurface> {
         match &self.role {
             Role::Pair(pair) => Some(pair),
-            Role::Contact(_) | Role::Support(_) => None,
+            Role::Contact(_) | Role::Support(_) | Role::Tie(_) => None,
         }
+    }
+
+    /// One component of a tie.
+    pub(crate) fn tie(&self) -> Option<&Tied> {
+        match &self.role {
+            Role::Tie(tie) => Some(tie),
+            Role::Contact(_) | Role::Support(_) | Role::Pair(_) => None,
+        }
+    }
+
+    /// Whether what the surface meets is asked point by point, not another body as a whole.
+    pub(crate) fn is_by_points(&self) -> bool {
+        matches!(self.role, Role::Contact(_) | Role::Support(_))
     }
 
     /// Takes the gap to another body where the linear `body` is at rest.
@@ -137,7 +154,7 @@ impl Interface {
         match &self.role {
             Role::Contact(shape) => shape.is_flat(),
             // That of a linear body is taken where it is at rest.
-            Role::Support(_) | Role::Pair(_) => true,
+            Role::Support(_) | Role::Pair(_) | Role::Tie(_) => true,
         }
     }
 }
@@ -192,7 +209,11 @@ impl Interfaces {
         });
         let pairs = plan.problem.pairs.iter().zip(&plan.problem.pair_layouts);
         let pairs = pairs.map(|pair| of_pair(plan, mesh, space, pair));
-        let mut list: Vec<Interface> = contacts.chain(pairs).chain(guides).collect();
+        let ties = plan.problem.ties.iter().flat_map(|tie| {
+            let components = 0..space.components;
+            components.map(move |component| of_tie(plan, mesh, space, (tie, component)))
+        });
+        let mut list: Vec<Interface> = contacts.chain(pairs).chain(guides).chain(ties).collect();
         number_guides(plan, &mut list);
         let rule = face_rule(plan.problem.units.dimension, contact_degree(plan));
         let at_rest = vec![0.0; space.displacement_unknowns()];
@@ -248,7 +269,7 @@ impl Interfaces {
             .iter()
             .filter_map(|interface| match &interface.role {
                 Role::Contact(shape) => Some(shape),
-                Role::Support(_) | Role::Pair(_) => None,
+                Role::Support(_) | Role::Pair(_) | Role::Tie(_) => None,
             });
         let poses = shapes.zip(&drive.poses);
         poses
@@ -277,6 +298,7 @@ impl Interfaces {
                 Role::Contact(_) => None,
                 Role::Support(index) => Some(Placed::Guide(guide(drive, *index, length))),
                 Role::Pair(pair) => Some(Placed::Pair(pair.clone(), None)),
+                Role::Tie(tie) => Some(Placed::Tie(tie.clone())),
             });
         let others: Vec<Placed> = others.collect();
         self.list.iter().zip(obstacles.chain(others))
@@ -295,7 +317,7 @@ fn sets(plan: &Plan) -> Vec<SetPart<'static>> {
     parts.map(|(size, set)| SetPart { size, set }).collect()
 }
 
-/// Numbers the multipliers of guides after those of obstacles, in their order.
+/// Numbers the multipliers of guides and ties after those of obstacles, in their order.
 fn number_guides(plan: &Plan, list: &mut [Interface]) {
     let mut next = (plan.unknowns().contact as usize - plan.problem.guided_multipliers) as u32;
     for interface in list.iter_mut().filter(|interface| !interface.is_contact()) {
@@ -389,6 +411,29 @@ fn of_patch(
         sagittas: Vec::new(),
         facets: patch.clone(),
         role: Role::Support(index),
+        multipliers: Vec::new(),
+    }
+}
+
+/// One component of a tie.
+fn of_tie(
+    plan: &Plan,
+    mesh: &Mesh,
+    space: &TaylorHood,
+    (tie, component): (&PlannedTie, usize),
+) -> Interface {
+    let facets = tie.pair.carrier.iter();
+    let facets: Vec<Vec<u32>> = facets.map(|&f| mesh.facet(f as usize).to_vec()).collect();
+    let layout = &tie.layouts[component];
+    let bare = surface(plan, mesh, space, &facets);
+    let tied = Tied::new(&tie.seam, layout, [component, space.components]);
+    Interface {
+        name: tie.pair.name.clone(),
+        surface: bare.with_layout(&Bernstein, layout.clone()),
+        sagittas: Vec::new(),
+        facets: tie.pair.carrier.clone(),
+        idle: Vec::new(),
+        role: Role::Tie(Arc::new(tied)),
         multipliers: Vec::new(),
     }
 }

@@ -1,5 +1,6 @@
 //! What a surface with multipliers meets, where a drive has it, and what it is to the surface: gaps and
-//! coupling. Obstacles and guides are asked point by point, another body as a whole.
+//! coupling. Obstacles and guides are asked point by point, another body that the surface meets or is
+//! tied to as a whole.
 
 use std::sync::Arc;
 
@@ -11,6 +12,7 @@ use crate::contact::{
 use crate::element::quadrature::Rule;
 use crate::obstacle::{Contact, Derivatives, Moving};
 use crate::pairs::PairSurface;
+use crate::ties::Tied;
 
 /// What a surface meets, where a drive has it.
 #[derive(Clone, Debug)]
@@ -23,6 +25,8 @@ pub(crate) enum Placed {
     Guide(Guide),
     /// A surface of another body, which lets the surface in by some depths `[multipliers]`.
     Pair(Arc<PairSurface>, Option<Arc<[f64]>>),
+    /// A surface of another body that moves along in one component.
+    Tie(Arc<Tied>),
 }
 
 impl Placed {
@@ -33,7 +37,7 @@ impl Placed {
                 Self::Admitting(obstacle, AdmittedDepth::new(surface, rule, depths))
             }
             Self::Pair(pair, None) => Self::Pair(pair, Some(depths.into())),
-            Self::Admitting(..) | Self::Guide(_) | Self::Pair(..) => self,
+            Self::Admitting(..) | Self::Guide(_) | Self::Pair(..) | Self::Tie(_) => self,
         }
     }
 
@@ -41,22 +45,26 @@ impl Placed {
     pub(crate) fn obstacle(&self) -> Option<&Moving> {
         match self {
             Self::Obstacle(obstacle) | Self::Admitting(obstacle, _) => Some(obstacle),
-            Self::Guide(_) | Self::Pair(..) => None,
+            Self::Guide(_) | Self::Pair(..) | Self::Tie(_) => None,
         }
     }
 
-    /// The surface of another body.
-    pub(crate) fn pair(&self) -> Option<&PairSurface> {
+    /// Whether it is asked point by point, not as a whole.
+    pub(crate) fn is_by_points(&self) -> bool {
         match self {
-            Self::Pair(pair, _) => Some(pair),
-            Self::Obstacle(_) | Self::Admitting(..) | Self::Guide(_) => None,
+            Self::Obstacle(_) | Self::Admitting(..) | Self::Guide(_) => true,
+            Self::Pair(..) | Self::Tie(_) => false,
         }
     }
 
     /// Weighted gaps `[multipliers]`, and the deepest penetration.
     pub(crate) fn gaps(&self, body: &Deformed<'_>, surface: &ContactSurface) -> (Vec<f64>, f64) {
-        let Self::Pair(pair, depths) = self else {
-            return evaluate_gaps(body, surface, self);
+        let (pair, depths) = match self {
+            Self::Pair(pair, depths) => (pair, depths),
+            Self::Tie(tie) => return (tie.gaps(body.displacement), 0.0),
+            Self::Obstacle(_) | Self::Admitting(..) | Self::Guide(_) => {
+                return evaluate_gaps(body, surface, self);
+            }
         };
         let (mut gaps, deepest) = pair.gaps(body, surface);
         admit(surface, depths.as_deref(), &mut gaps);
@@ -70,8 +78,12 @@ impl Placed {
         surface: &ContactSurface,
         held: &[bool],
     ) -> Linearisation {
-        let Self::Pair(pair, depths) = self else {
-            return linearise(body, surface, self, held);
+        let (pair, depths) = match self {
+            Self::Pair(pair, depths) => (pair, depths),
+            Self::Tie(tie) => return tie.linearise(body.displacement, held),
+            Self::Obstacle(_) | Self::Admitting(..) | Self::Guide(_) => {
+                return linearise(body, surface, self, held);
+            }
         };
         let mut part = pair.linearise(body, surface, held);
         admit(surface, depths.as_deref(), &mut part.gap);
@@ -85,7 +97,7 @@ impl Placed {
         (body, surface): (&Deformed<'_>, &ContactSurface),
         held: &[bool],
     ) -> Linearisation {
-        if self.pair().is_some() {
+        if !self.is_by_points() {
             return self.linearise(body, surface, held);
         }
         let tool = Advancing { now: self, before };
@@ -114,7 +126,7 @@ impl Counterpart for Placed {
             Self::Admitting(obstacle, depth) => depth.probe(obstacle, (face, points), what, out),
             Self::Guide(guide) => guide.probe_on(face, points, what, out),
             // Another body is not met point by point.
-            Self::Pair(..) => out.fill(Contact::default()),
+            Self::Pair(..) | Self::Tie(_) => out.fill(Contact::default()),
         }
     }
 }

@@ -6,6 +6,7 @@ use super::problem::Problem;
 use super::response::ResponseChoice;
 use super::saddle::{self, Demand, SaddleChoice, SaddleNeeds};
 use super::stability::{self, StabilityChoice};
+use super::ties::PlannedTie;
 use super::units::ScaledMesh;
 use super::{displacement, estimate, near, surfaces};
 use crate::mesh::Mesh;
@@ -97,7 +98,8 @@ fn known_vertices(
     let most = sizes.vertices_to_know()?;
     let pairs = problem.pairs.iter();
     let pairs = pairs.flat_map(|pair| [&pair.carrier, &pair.other]);
-    let guided = surfaces::vertices_of(mesh, problem.patches().chain(pairs));
+    let ties = problem.ties.iter().flat_map(PlannedTie::sides);
+    let guided = surfaces::vertices_of(mesh, problem.patches().chain(pairs).chain(ties));
     let body = ScaledMesh {
         mesh,
         units: &problem.units,

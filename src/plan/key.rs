@@ -4,6 +4,7 @@
 
 use sha2::{Digest, Sha256};
 
+use super::ties::PlannedTie;
 use super::{Plan, PreparedKey};
 use crate::scene::{Named, SceneKind};
 
@@ -18,7 +19,7 @@ impl Plan {
             u8::from(self.problem.resolved.mixed),
             self.decisions.smoother_degree as u8,
         ]);
-        hash.update([u8::from(self.is_floating()), self.decisions.p1.solver as u8]);
+        hash.update([u8::from(self.is_shifted()), self.decisions.p1.solver as u8]);
         hash.update([self.decisions.displacement as u8]);
         hash.update(self.penalty().to_le_bytes());
         hash.update(self.key_of_inverse());
@@ -97,6 +98,11 @@ impl Plan {
         let pairs = self.problem.pairs.iter();
         for side in pairs.flat_map(|pair| [&pair.carrier, &pair.other]) {
             hash.update(b"pair");
+            side.iter()
+                .for_each(|facet| hash.update(facet.to_le_bytes()));
+        }
+        for side in self.problem.ties.iter().flat_map(PlannedTie::sides) {
+            hash.update(b"tied");
             side.iter()
                 .for_each(|facet| hash.update(facet.to_le_bytes()));
         }

@@ -34,6 +34,7 @@ pub(crate) mod saddle;
 mod settings;
 mod stability;
 pub(crate) mod surfaces;
+pub(crate) mod ties;
 mod tools;
 mod true_surface;
 mod units;
@@ -202,10 +203,15 @@ impl Plan {
         self.problem.is_floating()
     }
 
+    /// Whether the P1 block is shifted: rigid modes are left that only contact, or a tie, holds.
+    pub(crate) fn is_shifted(&self) -> bool {
+        self.problem.is_floating() || !self.problem.resolved.free_alone.is_empty()
+    }
+
     /// Number type of a P1 factor and why: single precision costs half the time
     /// and memory where the block is well conditioned.
     pub(crate) fn factor_precision(&self) -> (Precision, &'static str) {
-        if self.is_floating() {
+        if self.is_shifted() {
             (Precision::Double, "rigid modes are nearly free")
         } else if self.problem.contrast() > MOST_CONTRAST {
             (Precision::Double, "strong contrast of stiffness")
@@ -238,9 +244,14 @@ impl Notes {
         let multipliers = layouts.map(|layout| layout.multipliers.len());
         let contacts = &problem.scene.contacts;
         tools.extend(pairs::entries(&problem.pairs, contacts, multipliers));
+        tools.extend(ties::entries(&problem.ties, &problem.scene.ties));
         Self {
             tools,
-            warnings: warnings.chain(doubts).chain(of_tools).collect(),
+            warnings: warnings
+                .chain(doubts)
+                .chain(of_tools)
+                .chain(ties::doubts(&problem.ties, &problem.scene.ties))
+                .collect(),
         }
     }
 }

@@ -42,12 +42,21 @@ impl PlannedPair {
     pub(crate) fn first_carries(&self) -> bool {
         self.side == 0
     }
+
+    /// Which side of the scene carries.
+    pub(super) fn side(&self) -> usize {
+        self.side
+    }
+
+    /// Why that one does.
+    pub(super) fn reason(&self) -> &'static str {
+        self.reason
+    }
 }
 
-/// All contacts of a scene.
-pub(super) fn choose(resolved: &Resolved, mesh: &Mesh) -> Vec<PlannedPair> {
-    let pairs = resolved.pairs.iter();
-    let planned = pairs.map(|pair| {
+/// All contacts of a scene, or all ties.
+pub(super) fn choose(pairs: &[ResolvedPair], resolved: &Resolved, mesh: &Mesh) -> Vec<PlannedPair> {
+    let planned = pairs.iter().map(|pair| {
         let (side, reason) = carrier(pair, resolved, mesh);
         PlannedPair {
             name: pair.name.clone(),

@@ -5,6 +5,7 @@ use super::held_nodes::{HeldByPlanes, held_nodes};
 use super::pairs::{self, PlannedPair};
 use super::settings::Settings;
 use super::surfaces::{self, ContactLayout, Surfaces};
+use super::ties::{self, PlannedTie};
 use super::units::ScaledMesh;
 use super::{Units, behind, compared, element, friction, overlap, true_surface};
 use crate::comparisons::Comparisons;
@@ -52,11 +53,13 @@ pub(crate) struct Problem {
     pub(crate) pairs: Vec<PlannedPair>,
     /// Functions and multipliers of the carrier of each of them, after those of obstacles.
     pub(crate) pair_layouts: Vec<ContactLayout>,
+    /// Ties between bodies, in the order of the scene.
+    pub(crate) ties: Vec<PlannedTie>,
     /// What each fluid can reach.
     pub(crate) fluid_surfaces: Vec<FluidSurface>,
     /// Tractions of friction, after the pressures of all obstacles.
     pub(crate) tangential_multipliers: usize,
-    /// Multipliers of supports that hold their normal component, after those of
+    /// Multipliers of supports that hold their normal component and of ties, after those of
     /// obstacles.
     pub(crate) guided_multipliers: usize,
     /// Number of edges of the surface that have an offset.
@@ -109,7 +112,7 @@ pub(super) fn state(
         obstacles,
         units,
     };
-    let (mut problem, surface_vertices) = problem(scene, items, fitted.as_ref().unwrap_or(mesh));
+    let (mut problem, surface_vertices) = problem(scene, items, fitted.as_ref().unwrap_or(mesh))?;
     problem.fitted = fitted.as_ref().map_or(&[][..], Mesh::edge_offsets).to_vec();
     Ok(Stated {
         problem,
@@ -119,7 +122,10 @@ pub(super) fn state(
 }
 
 /// The problem of those items, with the mesh vertices of its surfaces.
-fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> (Problem, Vec<u32>) {
+///
+/// # Errors
+/// [`SceneError::Invalid`] where the surfaces of a tie do not meet.
+fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> Result<(Problem, Vec<u32>), SceneError> {
     let Items {
         resolved,
         obstacles,
@@ -134,8 +140,10 @@ fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> (Problem, Vec<u32>) {
         space: &space,
         held: &held,
     };
-    let pairs = pairs::choose(&resolved, mesh);
-    let surfaces = Surfaces::of(body, (&obstacles, &pairs), &resolved, contact_space);
+    let pairs = pairs::choose(&resolved.pairs, &resolved, mesh);
+    let held_nodes = held_nodes(&resolved, (mesh, &space), &held);
+    let ties = planned_ties(body, &resolved, &held_nodes, (&obstacles, &pairs, &units))?;
+    let surfaces = Surfaces::of(body, (&obstacles, &pairs, &ties), &resolved, contact_space);
     let tangential_multipliers = friction::tangential_multipliers(
         (&obstacles, &surfaces.layouts),
         (&pairs, &surfaces.pair_layouts),
@@ -153,12 +161,13 @@ fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> (Problem, Vec<u32>) {
         vertices: space.vertices,
         cells: mesh.cell_count(),
         quality: mesh.quality().mean,
-        held_nodes: held_nodes(&resolved, (mesh, &space), &held),
+        held_nodes,
         held,
         contact_space,
         contact_layouts: surfaces.layouts,
         pairs,
         pair_layouts: surfaces.pair_layouts,
+        ties,
         fluid_surfaces: fluid_surfaces(&resolved, mesh, &space),
         tangential_multipliers,
         guided_multipliers: surfaces.guided,
@@ -168,7 +177,31 @@ fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> (Problem, Vec<u32>) {
         obstacles,
         units,
     };
-    (problem, surfaces.vertices)
+    Ok((problem, surfaces.vertices))
+}
+
+/// The ties of a scene, beside everything else that acts on surfaces.
+fn planned_ties(
+    body: surfaces::Body<'_>,
+    resolved: &Resolved,
+    held_nodes: &[HeldByPlanes],
+    (obstacles, pairs, units): (&[ResolvedObstacle], &[PlannedPair], &Units),
+) -> Result<Vec<PlannedTie>, SceneError> {
+    let candidates = obstacles.iter().map(|obstacle| &obstacle.facets);
+    let sides = pairs.iter().flat_map(|pair| [&pair.carrier, &pair.other]);
+    let supports = resolved.supports.iter();
+    let patches = supports.flat_map(|support| &support.patches);
+    let others = candidates.chain(sides).chain(patches);
+    let others: Vec<&[u32]> = others.map(|facets| &facets[..]).collect();
+    let ground = ties::Ground {
+        mesh: body.mesh,
+        space: body.space,
+        scale: units.coordinate_scale,
+        held: body.held,
+        held_nodes,
+        others: &others,
+    };
+    ties::choose(resolved, ground)
 }
 
 /// What each fluid can reach.
@@ -205,18 +238,22 @@ fn usable_units(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Result<Units
 
 impl Problem {
     /// Facets of the surfaces that multipliers act on: those that may touch each obstacle, both
-    /// sides of each contact between bodies, then the smooth patches of supports along their normal.
+    /// sides of each contact between bodies and of each tie, then the smooth patches of supports along
+    /// their normal.
     pub(crate) fn surfaces(&self) -> impl Iterator<Item = &[u32]> {
         let candidates = self.obstacles.iter().map(|obstacle| &obstacle.facets[..]);
         let pairs = self.pairs.iter();
         let pairs = pairs.flat_map(|pair| [&pair.carrier[..], &pair.other[..]]);
+        let ties = self.ties.iter();
+        let ties = ties.flat_map(|tie| tie.sides().map(|side| &side[..]));
         candidates
             .chain(pairs)
+            .chain(ties)
             .chain(self.patches().map(|patch| &patch[..]))
     }
 
     /// Smooth patches of supports along their normal, their facets.
-    pub(super) fn patches(&self) -> impl Iterator<Item = &Vec<u32>> {
+    pub(crate) fn patches(&self) -> impl Iterator<Item = &Vec<u32>> {
         let supports = self.resolved.supports.iter();
         supports.flat_map(|support| &support.patches)
     }

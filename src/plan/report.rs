@@ -144,11 +144,13 @@ impl Plan {
             push(&tool.what, tool.choice.clone(), &tool.reason);
         }
         self.push_goals(&mut push);
-        if self.is_floating() {
-            let reason = format!(
-                "supports leave {}",
-                self.problem.resolved.free_modes.join(", ")
-            );
+        if self.is_shifted() {
+            let resolved = &self.problem.resolved;
+            let free = match self.is_floating() {
+                true => &resolved.free_modes,
+                false => &resolved.free_alone,
+            };
+            let reason = format!("supports leave {}", free.join(", "));
             push("rigid modes", "shifted P1 factor".into(), &reason);
         }
         entries
@@ -292,7 +294,7 @@ impl Plan {
         if !has_force && self.problem.resolved.manufactured.is_none() {
             push("body force", "none given");
         }
-        if !self.is_floating() {
+        if !self.is_shifted() {
             push("rigid-mode shift", "supports hold the body");
         }
         entries

@@ -210,6 +210,10 @@ fn hindrance(plan: &Plan) -> Option<String> {
         (plan.is_floating(), "supports leave rigid modes"),
         (!plan.problem.pairs.is_empty(), "bodies touch each other"),
         (
+            !plan.problem.ties.is_empty(),
+            "bodies are tied to each other",
+        ),
+        (
             !plan.problem.resolved.pressures.is_empty(),
             "pressures follow the body",
         ),

@@ -1,5 +1,5 @@
 //! The surfaces that carry multipliers: candidate surfaces of obstacles, the carriers of contacts
-//! between bodies, then smooth patches of supports along their normal.
+//! between bodies, ties, then smooth patches of supports along their normal.
 //!
 //! ```text
 //! linear:     hats at the vertices, one set of multipliers an obstacle
@@ -16,6 +16,7 @@
 use std::collections::HashSet;
 
 use super::pairs::PlannedPair;
+use super::ties::PlannedTie;
 use crate::contact::layout::Layout;
 use crate::mesh::Mesh;
 use crate::scene::ContactSpace;
@@ -42,7 +43,7 @@ pub(super) struct Surfaces {
     pub(super) pair_layouts: Vec<ContactLayout>,
     /// Multipliers of obstacles and of contacts between bodies.
     pub(super) contacts: usize,
-    /// Multipliers of supports along their normal: one a node of each patch.
+    /// Multipliers of supports along their normal, one a node of each patch, and of ties.
     pub(super) guided: usize,
 }
 
@@ -61,12 +62,13 @@ impl Surfaces {
     /// Those of `obstacles` and of the supports of `resolved`.
     pub(super) fn of(
         body: Body<'_>,
-        (obstacles, pairs): (&[ResolvedObstacle], &[PlannedPair]),
+        (obstacles, pairs, ties): (&[ResolvedObstacle], &[PlannedPair], &[PlannedTie]),
         resolved: &Resolved,
         space: ContactSpace,
     ) -> Self {
         let candidates = obstacles.iter().map(|obstacle| &obstacle.facets);
         let sides = pairs.iter().flat_map(|pair| [&pair.carrier, &pair.other]);
+        let sides = sides.chain(ties.iter().flat_map(PlannedTie::sides));
         let supports = resolved.supports.iter();
         let patches = supports.flat_map(|support| &support.patches);
         let layouts = layouts(body, obstacles, space);
@@ -78,7 +80,8 @@ impl Surfaces {
             vertices: vertices_of(body.mesh, candidates.chain(sides).chain(patches.clone())),
             contacts,
             layouts,
-            guided: patches.map(|patch| nodes_of(body, patch)).sum(),
+            guided: patches.map(|patch| nodes_of(body, patch)).sum::<usize>()
+                + ties.iter().map(PlannedTie::multipliers).sum::<usize>(),
         }
     }
 }

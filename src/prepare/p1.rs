@@ -72,7 +72,7 @@ pub(crate) fn build(
     cancel: &CancelToken,
 ) -> Result<P1Built, PrepareError> {
     let start = Instant::now();
-    let shift = if plan.is_floating() { SHIFT } else { 0.0 };
+    let shift = if plan.is_shifted() { SHIFT } else { 0.0 };
     let cells = StiffCells {
         mesh: body.mesh,
         space: body.space,

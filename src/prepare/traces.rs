@@ -14,6 +14,7 @@ use crate::contact::surface::vertex_normals;
 use crate::geometry::vector3::{dot, norm, normalised, scale, sub};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
+use crate::plan::ties::PlannedTie;
 use crate::scene::ContactSpace;
 
 /// Least cosine between normals that count as one direction: 30 degrees.
@@ -43,7 +44,7 @@ impl TraceDirections {
                 .map(|own| normals(plan, body, own))
                 .collect(),
         };
-        let frictional = frictional_vertices(plan, body.mesh);
+        let frictional = pushed_all_ways(plan, body.mesh);
         let mut traces = Self::default();
         for (index, &vertex) in plan.decisions.contact_vertices.iter().enumerate() {
             let mut apart = apart(own.iter().map(|normals| normals[index]));
@@ -89,8 +90,8 @@ impl TraceDirections {
     }
 }
 
-/// Vertices that may touch frictional obstacles, or other bodies with friction.
-fn frictional_vertices(plan: &Plan, mesh: &Mesh) -> HashSet<u32> {
+/// Vertices that may touch frictional obstacles, or other bodies with friction, or are tied.
+fn pushed_all_ways(plan: &Plan, mesh: &Mesh) -> HashSet<u32> {
     let frictional = plan
         .problem
         .obstacles
@@ -101,6 +102,8 @@ fn frictional_vertices(plan: &Plan, mesh: &Mesh) -> HashSet<u32> {
     let pairs = pairs.filter(|pair| pair.is_frictional());
     let sides = pairs.flat_map(|pair| pair.carrier.iter().chain(&pair.other));
     let facets = facets.chain(sides);
+    let ties = plan.problem.ties.iter().flat_map(PlannedTie::sides);
+    let facets = facets.chain(ties.flatten());
     let corners = facets.flat_map(|&facet| mesh.facet(facet as usize));
     corners.copied().collect()
 }

@@ -71,6 +71,8 @@ enum Met {
     Obstacle(usize),
     Support(usize),
     Pair(usize),
+    /// Number of the interface.
+    Tie(usize),
 }
 
 impl Met {
@@ -80,6 +82,7 @@ impl Met {
             Role::Contact(_) => Self::Obstacle(number),
             Role::Support(support) => Self::Support(support),
             Role::Pair(_) => Self::Pair(number),
+            Role::Tie(_) => Self::Tie(number),
         }
     }
 }

@@ -21,6 +21,7 @@ pub(crate) mod nodal_force;
 pub(crate) mod passage;
 mod reactions;
 pub(crate) mod step;
+mod ties;
 pub(crate) mod touch;
 pub(crate) mod touching;
 pub(crate) mod warnings;

@@ -29,6 +29,7 @@ use crate::results::fluids;
 use crate::results::friction::{add_friction, add_friction_between};
 use crate::results::geometry_error::geometry_error;
 use crate::results::reactions::reactions;
+use crate::results::ties;
 use crate::results::touch::{Touch, pressed_facets};
 use crate::results::touching::Touching;
 
@@ -61,6 +62,7 @@ pub(crate) fn report(
         max_penetration: ending.max_penetration * units.length,
         obstacles: obstacles(model, state, estimated.as_ref()),
         contacts: contacts(model, state),
+        ties: ties::results(model, state),
         supports: reactions(model, state, inside.force),
         fluids: fluids::results(model, state, ending, counters.fluid_rounds),
         probes: probes(model, state),

@@ -293,7 +293,8 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
 /// A body that supports leave free, and obstacles too: one alone pushes it before it, with forces
 /// that are rounding, so that digits are lost.
 fn unheld(model: &Model<'_>, state: &State, is_lost: bool) -> Option<Warning> {
-    let touching = model.interfaces.list.iter().filter(|interface| {
+    let list = model.interfaces.list.iter();
+    let touching = list.filter(|one| one.tie().is_none()).filter(|interface| {
         let own = interface.own(&state.status);
         own.iter().any(|status| status.is_closed())
     });

@@ -17,6 +17,7 @@ mod parameter;
 mod questions;
 mod solver;
 mod step;
+mod tie;
 pub(crate) mod validate;
 mod values;
 
@@ -35,6 +36,7 @@ pub use parameter::Parameter;
 pub use questions::{GoalErrors, GoalQuestions};
 pub use solver::{SolverOptions, ToleranceRule};
 pub use step::{ObstacleTarget, Step, SupportTarget, TractionTarget};
+pub use tie::Tie;
 pub use values::{ValuePlace, Values};
 
 /// Geometry of the problem.
@@ -244,6 +246,8 @@ pub struct Scene {
     pub obstacles: Vec<Obstacle>,
     /// Surfaces of different bodies of the mesh that may touch each other.
     pub contacts: Vec<ContactPair>,
+    /// Surfaces of different bodies of the mesh that are bonded.
+    pub ties: Vec<Tie>,
     /// Name of an analytic field whose loads replace the others.
     pub manufactured: Option<String>,
     /// Points whose values each step reports.

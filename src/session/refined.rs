@@ -8,6 +8,7 @@ use super::{Reuse, Session};
 use crate::mesh::Mesh;
 use crate::model::given::Given;
 use crate::plan::Plan;
+use crate::plan::problem::Problem;
 use crate::prepare::Prepared;
 use crate::refinement::Lineage;
 use crate::refinement::carried::carried;
@@ -24,9 +25,9 @@ pub enum NotCarried {
     /// Values by nodes, which the refined mesh has more of.
     #[error("values at nodes cannot be refined: give them anew for the nodes of the refined mesh")]
     ValuesAtNodes,
-    /// Contact between bodies, whose carriers may change with the mesh.
+    /// Contact or ties between bodies, whose carriers may change with the mesh.
     #[error(
-        "a state with contact between bodies is not carried to a refined mesh yet: solve on the refined mesh from the start"
+        "a state with contact or ties between bodies is not carried to a refined mesh yet: solve on the refined mesh from the start"
     )]
     ContactPairs,
 }
@@ -76,7 +77,8 @@ impl Session {
         if !is_same {
             return Err(NotCarried::Foreign("the scene"));
         }
-        if !own.pairs.is_empty() || !other.pairs.is_empty() {
+        let has_several = |problem: &Problem| !problem.pairs.is_empty() || !problem.ties.is_empty();
+        if has_several(own) || has_several(other) {
             return Err(NotCarried::ContactPairs);
         }
         if self.state.drive.given != Given::default() || self.target.given != Given::default() {

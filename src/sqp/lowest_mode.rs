@@ -38,7 +38,7 @@ impl LowestMode {
 pub(crate) fn at_rest(model: &Model<'_>, x: &[f64], work: &mut Workspace) -> Vec<f64> {
     let mut product = vec![0.0; x.len()];
     model.prepared.stiffness.apply(x, &mut product, work);
-    if model.plan.is_floating() {
+    if model.plan.is_shifted() {
         let shares = mass(model);
         let terms = product.iter_mut().zip(x.iter().zip(&shares));
         terms.for_each(|(product, (x, share))| *product += share * x);

@@ -59,7 +59,7 @@ pub(super) fn limit_gap_scale(model: &Model<'_>, state: &mut State, now: &Evalua
 fn between_bodies(model: &Model<'_>, state: &State, now: &Evaluation) -> Vec<(usize, f64)> {
     let mut all = Vec::new();
     let list = model.interfaces.list.iter();
-    for interface in list.filter(|interface| interface.pair().is_some()) {
+    for interface in list.filter(|interface| !interface.is_by_points()) {
         for (place, &weight) in interface.places().zip(&interface.surface.weights) {
             let (columns, values) = now.coupling.row(place);
             let entries = columns.iter().zip(values);

@@ -39,7 +39,7 @@ pub(super) fn residuals(
     let mut gap = vec![0.0; pressure.len()];
     for (interface, met) in model.placed(&state.drive) {
         let surface = &interface.surface;
-        if met.pair().is_some() {
+        if !met.is_by_points() {
             let own = between_bodies((model, state), (interface, &met), force);
             interface.add_own(&own, &mut gap);
             continue;

@@ -23,6 +23,7 @@ mod spread;
 mod steps;
 mod support_load;
 mod surfaces;
+mod ties;
 mod values;
 
 use super::{Obstacle, RubberModel, Scene, SceneError, SceneKind, Step, Violation};
@@ -177,6 +178,12 @@ pub(crate) fn resolve<'a>(
     let fluids = fluids::resolve(scene, mesh, &mut faults);
     let obstacles = obstacles::resolve(scene, mesh, &mut faults);
     let pairs = pairs::resolve(scene, (kind, mesh), &mut faults);
+    let others = ties::Others {
+        obstacles: &obstacles,
+        contacts: &pairs,
+        fluids: &fluids,
+    };
+    let ties = ties::resolve(scene, mesh, others, &mut faults);
     obstacles::refuse_held_faces(mesh, &supports, &obstacles, &mut faults);
     let manufactured = bodies::manufactured(scene, mesh, &mut faults);
     bodies::body_force(scene, mesh, &mut faults);
@@ -189,7 +196,13 @@ pub(crate) fn resolve<'a>(
         incompressible: materials.iter().all(ResolvedMaterial::is_incompressible),
     };
     solver::check(scene, formulated, &mut faults);
-    let free_modes = rigid_modes::check(scene, kind, mesh, &supports, &mut faults);
+    let held = rigid_modes::Held {
+        supports: &supports,
+        ties: &ties,
+    };
+    let rigid_modes::Free { modes, alone } =
+        rigid_modes::check((scene, kind), mesh, held, &mut faults);
+    let free_modes = modes;
     solver::check_contact(scene, &free_modes, &mut faults);
     rubber::check(scene, &materials, &mut faults);
     steps::Steps { scene, mesh }.check_all(steps, &mut faults);
@@ -204,11 +217,13 @@ pub(crate) fn resolve<'a>(
         pressures,
         fluids,
         pairs,
+        ties,
         body_force: scene.body_force,
         body_force_values,
         probes,
         manufactured,
         free_modes,
+        free_alone: alone,
     };
     Ok((resolved, obstacles))
 }

@@ -120,7 +120,7 @@ fn one(
 }
 
 /// The connected parts that facets lie on.
-fn bodies(mesh: &Mesh, of_vertex: &[u32], facets: &[u32]) -> BTreeSet<u32> {
+pub(super) fn bodies(mesh: &Mesh, of_vertex: &[u32], facets: &[u32]) -> BTreeSet<u32> {
     let corners = facets.iter().map(|&facet| mesh.facet(facet as usize));
     let first = corners.filter_map(|corners| corners.first());
     first.map(|&vertex| of_vertex[vertex as usize]).collect()

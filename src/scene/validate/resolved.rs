@@ -173,10 +173,10 @@ pub(crate) struct ResolvedObstacle {
     pub(crate) is_frictional: bool,
 }
 
-/// Two surfaces that may touch.
+/// Two surfaces that may touch, or are tied.
 #[derive(Clone, Debug)]
 pub(crate) struct ResolvedPair {
-    /// Unique among contacts, obstacles and supports.
+    /// Unique among contacts, ties, obstacles and supports.
     pub(crate) name: String,
     /// Facets of the two groups, ascending, all on the surface of the mesh.
     pub(crate) sides: [Vec<u32>; 2],
@@ -212,6 +212,8 @@ pub(crate) struct Resolved {
     pub(crate) fluids: Vec<ResolvedFluid>,
     /// Surfaces of different bodies that may touch, in the order of the scene.
     pub(crate) pairs: Vec<ResolvedPair>,
+    /// Surfaces of different bodies that are bonded, in the order of the scene.
+    pub(crate) ties: Vec<ResolvedPair>,
     /// The caller's force per undeformed volume `[3]`.
     pub(crate) body_force: [f64; 3],
     /// The same of each node or cell, on top.
@@ -221,6 +223,8 @@ pub(crate) struct Resolved {
     pub(crate) manufactured: Option<Manufactured>,
     /// Rigid modes that no support holds.
     pub(crate) free_modes: Vec<String>,
+    /// Rigid modes that no support holds of bodies which ties hold; empty without ties.
+    pub(crate) free_alone: Vec<String>,
 }
 
 impl Resolved {

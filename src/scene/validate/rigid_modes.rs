@@ -7,7 +7,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{Faults, ResolvedSupport};
+use super::{Faults, ResolvedPair, ResolvedSupport};
 use crate::assembly::load::facet_measure;
 use crate::contact::patches::outward;
 use crate::mesh::{GroupKind, Mesh};
@@ -29,33 +29,45 @@ const NAMES_2: [&str; 3] = [
 /// Squared cosine under which a mode counts as free.
 const ZERO: f64 = 1e-16;
 
+/// What holds bodies.
+#[derive(Clone, Copy)]
+pub(crate) struct Held<'a> {
+    pub(crate) supports: &'a [ResolvedSupport],
+    pub(crate) ties: &'a [ResolvedPair],
+}
+
+/// Names of free modes.
+pub(crate) struct Free {
+    /// Those that neither supports nor ties hold.
+    pub(crate) modes: Vec<String>,
+    /// Those that ties alone hold, body by body, and the others; empty without ties.
+    pub(crate) alone: Vec<String>,
+}
+
 /// Names of the free modes; adds a fault when nothing can ever hold them.
 pub(crate) fn check(
-    scene: &Scene,
-    kind: SceneKind,
+    (scene, kind): (&Scene, SceneKind),
     mesh: &Mesh,
-    supports: &[ResolvedSupport],
+    held: Held<'_>,
     faults: &mut Faults,
-) -> Vec<String> {
-    let parts = Parts::new(mesh);
+) -> Free {
+    let supports = held.supports;
+    let apart = Parts::new(mesh, &[]);
+    let alone = match held.ties {
+        [] => Vec::new(),
+        _ => labelled(apart.free_of_parts(kind, apart.moments(supports))),
+    };
+    let parts = Parts::new(mesh, held.ties);
     let count = parts.frames.len();
-    let mut moments = parts.moments(supports);
+    let moments = parts.moments(supports);
     let mut guided = moments.clone();
     parts.add_normals(supports, &mut guided);
-    let names: &[&str] = match kind {
-        SceneKind::Solid => &NAMES_3,
-        SceneKind::PlaneStrain | SceneKind::PlaneStress | SceneKind::Axisymmetric => &NAMES_2,
-    };
-    if kind == SceneKind::Axisymmetric {
-        moments.iter_mut().for_each(hold_by_hoops);
-        guided.iter_mut().for_each(hold_by_hoops);
-    }
     if !scene.contacts.is_empty() {
-        let of_part = moments.iter().map(|own| name_null_space(*own, names));
-        refuse_loose((scene, &parts), of_part.collect(), faults);
+        let of_parts = parts.free_of_parts(kind, moments.clone());
+        refuse_loose((scene, &parts), of_parts, faults);
     }
-    let free = free_modes(moments, names);
-    let unguided = free_modes(guided, names);
+    let free = labelled(parts.free_of_parts(kind, moments));
+    let unguided = labelled(parts.free_of_parts(kind, guided));
     let has_contact = !scene.obstacles.is_empty() || !scene.contacts.is_empty();
     if !unguided.is_empty() && !has_contact {
         let list = unguided.join(", ");
@@ -68,11 +80,11 @@ pub(crate) fn check(
         faults.unsupported(
             "support",
             format!(
-                "several bodies of which some are free ({list}): bodies that contact alone holds beside others, and ties between bodies, are not solved yet; mesh them with common nodes, or hold each by supports of its own"
+                "several bodies of which some are free ({list}): bodies that contact alone holds beside others are not solved yet; tie them, mesh them with common nodes, or hold each by supports of its own"
             ),
         );
     }
-    free
+    Free { modes: free, alone }
 }
 
 /// Refuses bodies with free modes `[parts]` that no contact and no obstacle meets.
@@ -96,18 +108,17 @@ fn refuse_loose((scene, parts): (&Scene, &Parts<'_>), free: Vec<Vec<String>>, fa
     }
 }
 
-/// Names of the free modes of all parts.
-fn free_modes(moments: Vec<Moments>, names: &[&str]) -> Vec<String> {
-    let count = moments.len();
-    let of_part = |(part, moments): (usize, Moments)| {
+/// Names of the free modes of all parts, which say of which one.
+fn labelled(parts: Vec<Vec<String>>) -> Vec<String> {
+    let count = parts.len();
+    let of_part = |(part, found): (usize, Vec<String>)| {
         let label = match count {
             1 => String::new(),
             _ => format!(" of part {part}"),
         };
-        let found = name_null_space(moments, names).into_iter();
-        found.map(move |name| format!("{name}{label}"))
+        found.into_iter().map(move |name| format!("{name}{label}"))
     };
-    moments.into_iter().enumerate().flat_map(of_part).collect()
+    parts.into_iter().enumerate().flat_map(of_part).collect()
 }
 
 /// Holds the modes that stretch the hoops of a body of revolution.
@@ -148,6 +159,27 @@ pub(crate) fn parts(mesh: &Mesh) -> Vec<u32> {
         .collect()
 }
 
+/// Parts of vertices, tied ones with the lowest number among them, numbered without gaps.
+fn joined(mut of_vertex: Vec<u32>, mesh: &Mesh, ties: &[ResolvedPair]) -> Vec<u32> {
+    for tie in ties {
+        let facets = tie.sides.iter().flatten();
+        let vertices = facets.filter_map(|&facet| mesh.facet(facet as usize).first());
+        let tied: BTreeSet<u32> = vertices.map(|&vertex| of_vertex[vertex as usize]).collect();
+        if let Some(&first) = tied.first() {
+            let own = of_vertex.iter_mut().filter(|part| tied.contains(*part));
+            own.for_each(|part| *part = first);
+        }
+    }
+    if ties.is_empty() {
+        return of_vertex;
+    }
+    let mut left = of_vertex.clone();
+    left.sort_unstable();
+    left.dedup();
+    let place = |part: &u32| left.partition_point(|other| other < part) as u32;
+    of_vertex.iter().map(place).collect()
+}
+
 type Moments = [[f64; 6]; 6];
 
 /// The connected parts of a body.
@@ -160,14 +192,28 @@ struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    fn new(mesh: &'a Mesh) -> Self {
-        let of_vertex = parts(mesh);
+    /// Of `mesh`, those that are tied being one.
+    fn new(mesh: &'a Mesh, ties: &[ResolvedPair]) -> Self {
+        let of_vertex = joined(parts(mesh), mesh, ties);
         let count = of_vertex.iter().max().map_or(0, |&last| last as usize + 1);
         Self {
             mesh,
             frames: frames(mesh, &of_vertex, count),
             of_vertex,
         }
+    }
+
+    /// Names of the free modes of each part by the moment matrices of what is held.
+    fn free_of_parts(&self, kind: SceneKind, mut moments: Vec<Moments>) -> Vec<Vec<String>> {
+        let names: &[&str] = match kind {
+            SceneKind::Solid => &NAMES_3,
+            SceneKind::PlaneStrain | SceneKind::PlaneStress | SceneKind::Axisymmetric => &NAMES_2,
+        };
+        if kind == SceneKind::Axisymmetric {
+            moments.iter_mut().for_each(hold_by_hoops);
+        }
+        let each = moments.into_iter();
+        each.map(|own| name_null_space(own, names)).collect()
     }
 
     /// The part of a vertex and where in its frame the vertex lies.

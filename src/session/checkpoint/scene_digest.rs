@@ -13,7 +13,7 @@ use crate::obstacle::surface::{Interpolation, SurfaceShape};
 use crate::scene::{
     ContactPair, Fluid, FluidThreshold, Formulation, Material, MaterialModel, Modulus, Obstacle,
     Pressure, Probe, Profile, RubberModel, Scene, SceneKind, Shape, SolverOptions, Support,
-    SupportLoad, SurfaceGeometry, ToleranceRule, Traction, Values,
+    SupportLoad, SurfaceGeometry, Tie, ToleranceRule, Traction, Values,
 };
 
 /// The digest of `scene`.
@@ -70,6 +70,7 @@ impl Canonical {
             body_force_values,
             obstacles,
             contacts,
+            ties,
             manufactured,
             probes,
             // Changes no state.
@@ -96,6 +97,21 @@ impl Canonical {
             self.text("contact");
             self.all(contacts, Self::contact);
         }
+        if !ties.is_empty() {
+            self.text("tie");
+            self.all(ties, Self::tie);
+        }
+    }
+
+    fn tie(&mut self, tie: &Tie) {
+        let Tie {
+            name,
+            between,
+            carries,
+        } = tie;
+        self.text(name);
+        self.texts(between);
+        self.text(carries.as_deref().unwrap_or_default());
     }
 
     fn contact(&mut self, contact: &ContactPair) {

@@ -29,7 +29,7 @@ constants! {
 /// The terms about `state`.
 pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentation> {
     let mut list = model.interfaces.list.iter();
-    let has_terms = list.any(|interface| interface.pair().is_none());
+    let has_terms = list.any(Interface::is_by_points);
     let is_pressed = state.multiplier.iter().any(|&l| l != 0.0);
     if !model.is_rubber() || !is_pressed || !has_terms {
         return None;
@@ -50,7 +50,7 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
     let places = tractions.iter().flat_map(|(_, places)| places);
     places.for_each(|&place| is_traction[place] = true);
     let list = model.interfaces.list.iter();
-    let list = list.filter(|interface| interface.pair().is_none());
+    let list = list.filter(|interface| interface.is_by_points());
     let normals = list.map(|interface| (interface, interface.places().collect(), internal));
     let none: &[f64] = &[];
     let along = tractions
@@ -87,7 +87,7 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
 /// Where bodies meet there are no terms, and the mass is one that has a factor.
 fn own_mass_of_pairs(model: &Model<'_>, mass: &mut [Vec<(u32, f64)>]) {
     let list = model.interfaces.list.iter();
-    for interface in list.filter(|interface| interface.pair().is_some()) {
+    for interface in list.filter(|interface| !interface.is_by_points()) {
         for (place, &weight) in interface.places().zip(&interface.surface.weights) {
             mass[place].push((place as u32, weight));
         }

@@ -57,7 +57,7 @@ fn curvature(model: &Model<'_>, state: &State) -> Option<SparseRows> {
         let closed = |status: &Status| f64::from(u8::from(status.is_closed()));
         let closed: Vec<f64> = state.status.iter().map(closed).collect();
         let placed = model.placed(&state.drive);
-        let placed: Vec<_> = placed.filter(|(one, _)| one.pair().is_none()).collect();
+        let placed: Vec<_> = placed.filter(|(one, _)| one.is_by_points()).collect();
         let own = placed.iter().map(|(interface, met)| {
             let pressures = [&state.multiplier, &closed].map(|all| interface.own(all));
             (&interface.surface, met, pressures)

@@ -74,7 +74,7 @@ fn of_nodes(model: &Model<'_>, state: &State) -> BTreeMap<u32, ContactEdge> {
     let body = model.deformed(&state.displacement);
     let mut nodes: BTreeMap<u32, ContactEdge> = BTreeMap::new();
     let met = model.placed(&state.drive);
-    for (interface, met) in met.filter(|(_, met)| met.pair().is_none()) {
+    for (interface, met) in met.filter(|(_, met)| met.is_by_points()) {
         let surface = &interface.surface;
         let normals = mean_normals(&body, surface, &met);
         let multipliers = interface.own(&state.multiplier);

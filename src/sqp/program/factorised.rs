@@ -71,7 +71,7 @@ impl QuadraticProgram<'_> {
             stabilisation: block.and_then(|block| block.stabilisation.as_ref()),
             contact: &self.now.coupling,
             places: layout.places.clone(),
-            has_rigid_modes: model.plan.is_floating(),
+            has_rigid_modes: model.plan.is_shifted(),
             most_flops: MOST_FACTOR_FLOPS,
         })
     }

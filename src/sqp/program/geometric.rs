@@ -99,12 +99,12 @@ fn curvature_of(model: &Model<'_>, state: &State, last: Option<&Drive>) -> Optio
     let own = match last {
         None => {
             let placed = model.placed(&state.drive);
-            let placed: Vec<_> = placed.filter(|(one, _)| one.pair().is_none()).collect();
+            let placed: Vec<_> = placed.filter(|(one, _)| one.is_by_points()).collect();
             curvature_under(model, state, &placed)
         }
         Some(last) => {
             let placed = model.placed_from(state, last);
-            let tools = placed.iter().filter(|(one, ..)| one.pair().is_none());
+            let tools = placed.iter().filter(|(one, ..)| one.is_by_points());
             let tools = tools.map(|(interface, now, before)| {
                 let before = before.as_ref();
                 (*interface, Advancing { now, before })
