@@ -60,6 +60,7 @@ const SERIALISED: [&str; 25] = [
     "Snapped",
     "StepReport",
     "SupportResult",
+    "TieResult",
     "Unknowns",
     "Warning",
 ];
@@ -115,6 +116,10 @@ fn serialised(mut builder: Builder) -> Builder {
         )
         .field_attribute(
             "signorini.v1.StepReport.contacts",
+            "#[serde(skip_serializing_if = \"std::collections::BTreeMap::is_empty\")]",
+        )
+        .field_attribute(
+            "signorini.v1.StepReport.ties",
             "#[serde(skip_serializing_if = \"std::collections::BTreeMap::is_empty\")]",
         )
 }

@@ -23,6 +23,7 @@ from .reports import (
     ProbeResult,
     StepReport,
     SupportResult,
+    TieResult,
     Warning,
 )
 from .v1 import report_pb2
@@ -103,6 +104,11 @@ class Increment:
     def contacts(self) -> Mapping[str, BodyContactResult]:
         """What bodies do to each other, by the names of their contacts."""
         return dict(sorted(self.report.contacts.items()))
+
+    @property
+    def ties(self) -> Mapping[str, TieResult]:
+        """What ties between bodies carry, by their names."""
+        return dict(sorted(self.report.ties.items()))
 
     def leak_path(self, fluid: str) -> tuple[Field, Field] | None:
         """Points of the path on which a fluid leaks first, [points, 3], and the pressure at each, [points].
@@ -213,6 +219,11 @@ class Solution(Sequence[Increment]):
     def contacts(self) -> Mapping[str, BodyContactResult]:
         """What bodies do to each other at the end, by the names of their contacts."""
         return self.last.contacts
+
+    @property
+    def ties(self) -> Mapping[str, TieResult]:
+        """What ties between bodies carry at the end, by their names."""
+        return self.last.ties
 
     def leak_path(self, fluid: str) -> tuple[Field, Field] | None:
         """The path on which a fluid leaks first at the end; see `Increment.leak_path`."""
@@ -345,6 +356,10 @@ def row(increment: Increment) -> dict[str, Any]:
         for axis, value in zip("xyz", contact.force.tolist(), strict=False):
             cells[f"contact.{name}.force_{axis}"] = value
         cells |= {f"contact.{name}.{key}": getattr(contact, key) for key in BETWEEN_BODIES}
+    for name, tie in increment.ties.items():
+        for axis, value in zip("xyz", tie.force.tolist(), strict=False):
+            cells[f"tie.{name}.force_{axis}"] = value
+        cells |= {f"tie.{name}.{key}": getattr(tie, key) for key in ("area", "gap", "peak_traction")}
     more = ("strain_energy", "volume_ratio", "min_jacobian", "max_penetration", "error_estimate")
     cells |= {name: getattr(report, name) for name in (*more, "krylov_iterations")}
     return {**cells, "seconds": report.seconds.total}

@@ -27,7 +27,7 @@ Given = Values | npt.NDArray[Any] | str | Path
 #: Key of scene files for a field of these classes that has another name.
 KEYS = {"materials": "material", "supports": "support", "tractions": "traction", "pressures": "pressure"}
 KEYS |= {"obstacles": "obstacle", "steps": "step", "probes": "probe", "fluids": "fluid", "gradients": "gradient"}
-KEYS |= {"contacts": "contact"}
+KEYS |= {"contacts": "contact", "ties": "tie"}
 
 
 class Part:
@@ -399,6 +399,15 @@ class BodyContact(Part):
 
 
 @dataclass(kw_only=True)
+class Tie(Part):
+    """Two groups of facets of different bodies that are bonded; their meshes need not match."""
+
+    name: str
+    between: Sequence[str]
+    carries: str | None = None
+
+
+@dataclass(kw_only=True)
 class Fluid(Part):
     """A fluid that creeps in from the wet surfaces `source` and must not reach those that are `dry`."""
 
@@ -569,6 +578,7 @@ class Scene(Part):
     gradients: Sequence[Gradient | Mapping[str, Any]] = ()
     accuracy: Accuracy | Mapping[str, Any] | None = None
     contacts: Sequence[BodyContact | Mapping[str, Any]] = ()
+    ties: Sequence[Tie | Mapping[str, Any]] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The tables of a scene file; a `Mesh` stays as it is."""

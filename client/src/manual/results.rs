@@ -103,6 +103,7 @@ fn every_column_of_the_table_is_on_the_page_and_no_other() {
         fluids: BTreeMap::from([(named(), v1::FluidResult::default())]),
         goals: BTreeMap::from([(named(), goal)]),
         contacts: BTreeMap::from([(named(), v1::BodyContactResult::default())]),
+        ties: BTreeMap::from([(named(), v1::TieResult::default())]),
         ..Default::default()
     };
     let known: BTreeSet<String> = results_csv::header(&report).into_iter().collect();

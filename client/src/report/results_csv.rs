@@ -17,6 +17,8 @@ use crate::terminal::whole_file;
 pub(crate) const FILE: &str = "results.csv";
 
 /// What is told of a contact between bodies after its force.
+/// Numbers of a tie.
+const OF_TIE: [&str; 3] = ["area", "gap", "peak_traction"];
 const OF_CONTACT: [&str; 4] = [
     "contact_area",
     "contact_width",
@@ -59,6 +61,7 @@ struct Columns {
     /// Goals, whether their error is bounded, and what they are differentiated by.
     goals: Vec<(String, bool, Vec<String>)>,
     contacts: Vec<String>,
+    ties: Vec<String>,
 }
 
 impl ResultsCsv {
@@ -108,6 +111,7 @@ impl Columns {
             fluids: report.fluids.keys().cloned().collect(),
             goals: report.goals.iter().map(of_goal).collect(),
             contacts: report.contacts.keys().cloned().collect(),
+            ties: report.ties.keys().cloned().collect(),
         }
     }
 
@@ -170,6 +174,12 @@ impl Columns {
             header.extend(OF_CONTACT.map(|column| format!("contact.{name}.{column}")));
             header.extend(AXES.map(|axis| format!("contact.{name}.peak_pressure_{axis}")));
         }
+        for name in &self.ties {
+            header.extend(AXES.map(|axis| format!("tie.{name}.force_{axis}")));
+            header.extend(AXES.map(|axis| format!("tie.{name}.moment_{axis}")));
+            header.extend(OF_TIE.map(|column| format!("tie.{name}.{column}")));
+            header.extend(AXES.map(|axis| format!("tie.{name}.peak_traction_{axis}")));
+        }
         header
     }
 
@@ -219,6 +229,9 @@ impl Columns {
         }
         for name in &self.contacts {
             row.extend(between_bodies(report.contacts.get(name)));
+        }
+        for name in &self.ties {
+            row.extend(tied(report.ties.get(name)));
         }
         row
     }
@@ -276,6 +289,22 @@ fn between_bodies(contact: Option<&v1::BodyContactResult>) -> Vec<String> {
     row.extend(numbers.map(cell));
     row.extend(three(
         contact.map(|result| result.peak_pressure_place.as_slice()),
+    ));
+    row
+}
+
+/// A tie, in the order of its columns.
+fn tied(tie: Option<&v1::TieResult>) -> Vec<String> {
+    let numbers = [
+        tie.map(|result| result.area),
+        tie.map(|result| result.gap),
+        tie.map(|result| result.peak_traction),
+    ];
+    let mut row = three(tie.map(|result| result.force.as_slice())).to_vec();
+    row.extend(three(tie.map(|result| result.moment.as_slice())));
+    row.extend(numbers.map(cell));
+    row.extend(three(
+        tie.map(|result| result.peak_traction_place.as_slice()),
     ));
     row
 }

@@ -1,4 +1,4 @@
-//! Obstacles: what they stand on and what shape they have. Contacts between bodies.
+//! Obstacles: what they stand on and what shape they have. Contacts and ties between bodies.
 
 use signorini_proto::v1;
 
@@ -32,6 +32,17 @@ pub(super) fn contacts(scene: &Keys<'_>) -> Vec<v1::BodyContact> {
         tresca: keys.number("tresca"),
     };
     tables.iter().enumerate().map(contact).collect()
+}
+
+/// Ties between bodies.
+pub(super) fn ties(scene: &Keys<'_>) -> Vec<v1::Tie> {
+    let tables = scene.tables("tie", &["name", "between", "carries"]);
+    let tie = |(index, keys): (usize, &Keys<'_>)| v1::Tie {
+        name: name_of(keys, "tie", index),
+        between: keys.required_names("between"),
+        carries: keys.text("carries").unwrap_or_default(),
+    };
+    tables.iter().enumerate().map(tie).collect()
 }
 
 pub(super) fn obstacles(scene: &Keys<'_>) -> Vec<v1::Obstacle> {

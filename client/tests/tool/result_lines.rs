@@ -243,6 +243,25 @@ fn contacts_between_bodies_are_told_and_scenes_without_have_no_word_of_them() {
 }
 
 #[test]
+fn ties_between_bodies_are_told_and_scenes_without_have_no_word_of_them() {
+    assert!(result_line::step(&report()).get("ties").is_none());
+    let bond = v1::TieResult {
+        force: vec![0.0, 2.5, 0.0],
+        moment: vec![0.0, 0.0, 0.5],
+        area: 0.5,
+        gap: 1e-3,
+        peak_traction: 7.0,
+        peak_traction_place: vec![0.25, 0.0, 0.0],
+    };
+    let line = result_line::step(&v1::StepReport {
+        ties: BTreeMap::from([("bond".to_owned(), bond)]),
+        ..report()
+    });
+    assert_matches(&line);
+    assert_eq!(line["ties"]["bond"]["peak_traction"], json!(7.0));
+}
+
+#[test]
 fn the_schema_refuses_missing_unknown_and_mistyped_keys() {
     let schema = result_lines();
     for (key, value) in [

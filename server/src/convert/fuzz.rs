@@ -120,7 +120,7 @@ fn load_step() -> wire::LoadStep {
     }
 }
 
-/// Every key of a contact between bodies.
+/// Every key of a contact and of a tie between bodies.
 fn paired_scene(mesh: &Mesh) -> wire::Scene {
     let seat = wire::BodyContact {
         name: "seat".into(),
@@ -129,8 +129,14 @@ fn paired_scene(mesh: &Mesh) -> wire::Scene {
         friction: Some(0.3),
         tresca: None,
     };
+    let bond = wire::Tie {
+        name: "bond".into(),
+        between: vec!["top".into(), "base".into()],
+        carries: "base".into(),
+    };
     wire::Scene {
         contacts: vec![seat],
+        ties: vec![bond],
         ..good_scene(mesh)
     }
 }

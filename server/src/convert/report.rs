@@ -5,7 +5,7 @@ use signorini::plan::PlanReport;
 use signorini::report::{
     Attempt, BodyContactResult, BodyFriction, Cause, CauseSite, ContactInterval, FluidResult,
     GoalReport, IterationRecord, LeakPathResult, ManufacturedErrors, ObstacleResult, ProbeResult,
-    Residuals, Seconds, Snapped, Stability, StepReport, Strategy, SupportResult, Termination,
+    Residuals, Seconds, Snapped, Stability, StepReport, Strategy, SupportResult, Termination, TieResult,
     Tightness, Unknowns, Warning,
 };
 use signorini_proto::v1 as wire;
@@ -56,6 +56,7 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         goals: report.goals.into_iter().map(goal).collect(),
         goals_refused: report.goals_refused,
         contacts: by_name(report.contacts, between_bodies),
+        ties: by_name(report.ties, tie),
         error_estimate: report.error_estimate,
         errors: report.errors.map(errors),
         seconds: Some(seconds(report.seconds)),
@@ -350,6 +351,17 @@ fn between_rough_bodies(value: BodyFriction) -> wire::BodyFriction {
         stick_margin: value.stick_margin,
         dissipated_energy: value.dissipated_energy,
         dissipated_total: value.dissipated_total,
+    }
+}
+
+fn tie(value: TieResult) -> wire::TieResult {
+    wire::TieResult {
+        force: value.force.to_vec(),
+        moment: value.moment.to_vec(),
+        area: value.area,
+        gap: value.gap,
+        peak_traction: value.peak_traction,
+        peak_traction_place: value.peak_traction_place.to_vec(),
     }
 }
 

@@ -16,7 +16,7 @@ use super::values::values;
 use super::{Faults, MOST_FAULTS, field, material, mesh, named, step};
 use crate::config::Compared;
 use crate::fault::Fault;
-use boundary::{contact, obstacle, pressure, support, traction};
+use boundary::{contact, obstacle, pressure, support, tie, traction};
 use fluid::fluid;
 use questions::questions;
 use solver::solver;
@@ -27,6 +27,7 @@ const MAXIMUM_FLUIDS: usize = 64;
 const MAXIMUM_GRADIENTS: usize = 100;
 const MAXIMUM_GOALS: usize = 1000;
 const MAXIMUM_CONTACTS: usize = 256;
+const MAXIMUM_TIES: usize = 256;
 const MAXIMUM_PROBES: usize = 10_000;
 const MAXIMUM_STEPS: usize = 10_000;
 const MAXIMUM_EVERY: u32 = 100_000;
@@ -120,6 +121,7 @@ fn limits(message: &wire::Scene, faults: &mut Faults) {
     faults.at_most(&message.fluids, MAXIMUM_FLUIDS, "fluid");
     faults.at_most(&message.obstacles, MAXIMUM_OBSTACLES, "obstacle");
     faults.at_most(&message.contacts, MAXIMUM_CONTACTS, "contact");
+    faults.at_most(&message.ties, MAXIMUM_TIES, "tie");
     faults.at_most(&message.probes, MAXIMUM_PROBES, "probe");
     faults.at_most(&message.gradients, MAXIMUM_GRADIENTS, "gradient");
     for (index, gradient) in message.gradients.iter().enumerate() {
@@ -177,6 +179,7 @@ fn body(message: wire::Scene, surfaces: &SurfacesByName, faults: &mut Faults) ->
             obstacle(one, index, (surfaces, faults))
         }),
         contacts: collect(message.contacts, faults, contact),
+        ties: collect(message.ties, faults, tie),
         manufactured: (!message.manufactured.is_empty())
             .then(|| faults.name(&message.manufactured, "manufactured.field")),
         probes: collect(message.probes, faults, probe),

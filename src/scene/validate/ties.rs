@@ -116,6 +116,8 @@ fn one(tie: &Tie, (mesh, of_vertex): (&Mesh, &[u32]), faults: &mut Faults) -> Re
         name: tie.name.clone(),
         sides,
         named,
+        friction: 0.0,
+        tresca: None,
     }
 }
 

@@ -8,7 +8,7 @@ use signorini_proto::v1;
 
 use super::fluid::{self, Leak, Wet};
 use super::lines::{
-    BodyContact, Goal, Interval, Iteration, Lines, Obstacle, Step, Support, Warning,
+    BodyContact, Goal, Interval, Iteration, Lines, Obstacle, Step, Support, Tie, Warning,
 };
 use super::surface::Picture;
 use crate::report::path_csv;
@@ -95,6 +95,7 @@ struct Row {
     #[serde(skip_serializing_if = "Option::is_none")]
     goals_refused: Option<String>,
     contacts: BTreeMap<String, BodyContact>,
+    ties: BTreeMap<String, Tie>,
 }
 
 /// An obstacle in one increment.
@@ -237,6 +238,7 @@ fn row(step: &Step, travels: &Travels) -> Row {
         goals: step.goals.clone(),
         goals_refused: step.goals_refused.clone(),
         contacts: step.contacts.clone(),
+        ties: step.ties.clone(),
     }
 }
 

@@ -53,6 +53,7 @@ pub(super) struct Step {
     pub(super) goals: BTreeMap<String, Goal>,
     pub(super) goals_refused: Option<String>,
     pub(super) contacts: BTreeMap<String, BodyContact>,
+    pub(super) ties: BTreeMap<String, Tie>,
     pub(super) error_estimate: Option<f64>,
     pub(super) seconds: Seconds,
 }
@@ -134,6 +135,17 @@ pub(super) struct BodyContact {
     pub(super) contact_width: Option<f64>,
     pub(super) mean_pressure: Option<f64>,
     pub(super) peak_pressure: Option<f64>,
+}
+
+/// A tie between bodies, as the page shows it too.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub(super) struct Tie {
+    #[serde(deserialize_with = "numbers")]
+    pub(super) force: Vec<f64>,
+    #[serde(deserialize_with = "numbers")]
+    pub(super) moment: Vec<f64>,
+    pub(super) peak_traction: Option<f64>,
 }
 
 /// A fluid.

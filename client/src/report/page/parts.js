@@ -68,6 +68,10 @@ function cards(last) {
       one.mean_pressure == null ? "no contact" : `width ${behind(num(one.contact_width), unit("length"))}, pressure ` +
         `${behind(num(one.mean_pressure), unit("stress"))} in the mean, ${behind(num(one.peak_pressure), unit("stress"))} at most`));
   }
+  for (const [name, one] of Object.entries(last.ties)) {
+    all.push(card(`tie ${name}`, `force ${vector(one.force)}`, "on the body named first",
+      `moment ${vector(one.moment)}`, `largest traction ${behind(num(one.peak_traction), unit("stress"))}`));
+  }
   for (const [name, one] of Object.entries(last.fluids)) all.push(card(...fluidCard(name, one)));
   if (last.error != null) all.push(card("error estimate", percent(last.error), "of the deformation, in energy: what the mesh leaves out"));
   if (Object.keys(last.obstacles).length) {

@@ -185,8 +185,14 @@ fn a_page_says_what_bodies_do_to_each_other() {
         peak_pressure: 7.0,
         ..Default::default()
     };
+    let bond = v1::TieResult {
+        force: vec![1.0, 0.0, 0.0],
+        peak_traction: 3.0,
+        ..Default::default()
+    };
     let pressed = v1::StepReport {
         contacts: BTreeMap::from([("seat".to_owned(), seat)]),
+        ties: BTreeMap::from([("bond".to_owned(), bond)]),
         ..report("ball")
     };
     let line = format!("{}\n", result_line::step(&pressed));
@@ -198,6 +204,9 @@ fn a_page_says_what_bodies_do_to_each_other() {
         (&seat["mean_pressure"], &seat["peak_pressure"]),
         (&5.0.into(), &7.0.into())
     );
+    let bond = &data(&page)["steps"][0]["ties"]["bond"];
+    assert_eq!(bond["force"], serde_json::json!([1.0, 0.0, 0.0]));
+    assert_eq!(bond["peak_traction"], 3.0);
     std::fs::remove_dir_all(folder).unwrap();
 }
 

@@ -59,6 +59,19 @@ pub(super) fn contacts(lines: &mut Lines, report: &v1::StepReport) {
     }
 }
 
+/// What ties carry.
+pub(super) fn ties(lines: &mut Lines, report: &v1::StepReport) {
+    for (name, tie) in &report.ties {
+        let (force, moment) = (vector(&tie.force), vector(&tie.moment));
+        lines.add(
+            &format!("tie {name}"),
+            &format!("force {force}, moment {moment}"),
+        );
+        let [peak, place] = [number(tie.peak_traction), vector(&tie.peak_traction_place)];
+        lines.add("", &format!("largest traction {peak} at {place}"));
+    }
+}
+
 /// `tight`, or the pressures between which it leaks.
 pub(super) fn verdict(fluid: &v1::FluidResult) -> String {
     let pressure = number(fluid.pressure);

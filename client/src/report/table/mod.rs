@@ -63,6 +63,7 @@ pub(crate) fn results(
         increment::outcome(&mut lines, last);
         increment::loads(&mut lines, last, travels);
         fluid::contacts(&mut lines, last);
+        fluid::ties(&mut lines, last);
         fluid::fluids(&mut lines, last);
         goals::goals(&mut lines, last);
         increment::quantities(&mut lines, last);

@@ -1,7 +1,8 @@
 //! What acts on the surface of the body: supports, loads, obstacles.
 
 use signorini::scene::{
-    ContactPair, Obstacle, PenetrationPolicy, Pressure, Profile, Support, SupportLoad, Traction,
+    ContactPair, Obstacle, PenetrationPolicy, Pressure, Profile, Support, SupportLoad, Tie,
+    Traction,
 };
 use signorini_proto::v1 as wire;
 
@@ -32,25 +33,43 @@ pub(super) fn contact(
     faults: &mut Faults,
 ) -> ContactPair {
     let path = named("contact", &message.name, index);
+    ContactPair {
+        name: faults.name(&message.name, &path),
+        between: between(message.between, &path, faults),
+        carries: carries(&message.carries, &path, faults),
+        friction: faults
+            .not_negative(message.friction, &format!("{path}.friction"))
+            .unwrap_or(0.0),
+        tresca: faults.not_negative(message.tresca, &format!("{path}.tresca")),
+    }
+}
+
+pub(super) fn tie(message: wire::Tie, index: usize, faults: &mut Faults) -> Tie {
+    let path = named("tie", &message.name, index);
+    Tie {
+        name: faults.name(&message.name, &path),
+        between: between(message.between, &path, faults),
+        carries: carries(&message.carries, &path, faults),
+    }
+}
+
+/// The two groups of the item at `path`.
+fn between(groups: Vec<String>, path: &str, faults: &mut Faults) -> [String; 2] {
     let key = format!("{path}.between");
-    let count = message.between.len();
+    let count = groups.len();
     if count != 2 {
         faults.add(
             &key,
             format!("names {count} surface groups in the place of two"),
         );
     }
-    let mut groups = names(message.between, key, faults).into_iter();
-    ContactPair {
-        name: faults.name(&message.name, &path),
-        between: [0, 1].map(|_| groups.next().unwrap_or_default()),
-        carries: (!message.carries.is_empty())
-            .then(|| faults.name(&message.carries, &format!("{path}.carries"))),
-        friction: faults
-            .not_negative(message.friction, &format!("{path}.friction"))
-            .unwrap_or(0.0),
-        tresca: faults.not_negative(message.tresca, &format!("{path}.tresca")),
-    }
+    let mut groups = names(groups, key, faults).into_iter();
+    [0, 1].map(|_| groups.next().unwrap_or_default())
+}
+
+/// The group that carries; none where the item leaves that open.
+fn carries(group: &str, path: &str, faults: &mut Faults) -> Option<String> {
+    (!group.is_empty()).then(|| faults.name(group, &format!("{path}.carries")))
 }
 
 pub(super) fn support(message: wire::Support, index: usize, faults: &mut Faults) -> Support {
