@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Meshes of the seals and soft tools: o-ring, bush, lip, stopper, finger, tyre, belt, gripper, of the seals that fluids
-press (seal-ring, lip-seal, syringe, kiss-seal), of the rollers, and the surface of the egg that the gripper meets.
+press (seal-ring, lip-seal, syringe, kiss-seal), of the rollers, of the bush in its sleeves, and the surface of the egg that the gripper meets.
 usage: make_meshes.py [OUTDIR [FACTOR OF THE SIZES OF THOSE SEALS]]
 
 Needs `pip install gmsh numpy`. Lengths in millimetres.
@@ -248,7 +248,18 @@ def rollers():
     write("rollers", bodies, groups, order=2)
 
 
-for make in (o_ring, bush, lip, stopper, finger, tyre, belt, gripper, seal_ring, lip_seal, syringe, kiss_seal, rollers):
+def sleeved_bush():
+    """Section of a bush of rubber between a tube of 16 x 2 mm and one of 40 x 2 mm, three bodies whose meshes do not match."""
+    quarters = [0.0, 0.5 * math.pi, math.pi, 1.5 * math.pi]
+    bodies, groups = {}, {}
+    for name, radii, size in (("tube", [8, 10], 2.2), ("rubber", [10, 20], 1.8), ("shell", [20, 22], 2.6)):
+        inner, outer = ring((0, 0), radii, size, quarters)
+        groups |= {f"{name}-inside": inner, f"{name}-outside": outer}
+        bodies[name] = PLANE.addPlaneSurface([PLANE.addCurveLoop(outer), PLANE.addCurveLoop(inner)])
+    write("sleeved-bush", bodies, groups, order=2)
+
+
+for make in (o_ring, bush, lip, stopper, finger, tyre, belt, gripper, seal_ring, lip_seal, syringe, kiss_seal, rollers, sleeved_bush):
     gmsh.initialize(["-v", "2"])
     make()
     gmsh.finalize()

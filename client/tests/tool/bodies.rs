@@ -1,4 +1,4 @@
-//! The example of two soft bodies: forces in balance, what is told of their contact, and the files.
+//! The examples of several bodies: forces in balance, what is told of contact and ties, and the files.
 
 use serde_json::Value;
 
@@ -51,4 +51,44 @@ fn two_rollers_flatten_against_each_other_and_the_files_say_how_far() {
             .contains("contact.nip.peak_pressure_y")
     );
     assert!(run.stderr.contains("contact nip") || run.stdout.contains("nip"));
+}
+
+#[test]
+fn a_bush_is_tied_to_its_tubes_and_the_files_say_what_the_ties_carry() {
+    let folder = folder("sleeved-bush");
+    let scene = example("sleeved-bush.toml");
+    let out = ["--out", folder.to_str().unwrap()];
+    let arguments = ["solve", scene.to_str().unwrap(), "--json"];
+    let run = run(arguments.into_iter().chain(out));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let schema = result_lines();
+    for line in run.lines() {
+        assert_eq!(fault(&schema, &line), None, "{line}");
+    }
+    let steps = run.events("step");
+    for step in &steps {
+        assert_eq!(step["termination"], "converged");
+    }
+    let last = steps.last().unwrap();
+    let [inner, outer] = ["inner", "outer"].map(|name| &last["ties"][name]);
+    let [pin, seat] = ["pin", "seat"].map(|name| &last["supports"][name]);
+    let size = number(&pin["force"][0]);
+    let moment = number(&pin["moment"][2]);
+    assert!(size > 0.0 && moment > 0.0, "{pin}");
+    // The rubber is named first: what the tube does to it, the pin does to the tube.
+    for axis in [0, 1] {
+        let [a, b, c, d] = [pin, inner, outer, seat].map(|one| number(&one["force"][axis]));
+        let apart = [b - a, c + a, d + a];
+        assert!(apart.iter().all(|x| x.abs() < 1e-5 * size), "{apart:?}");
+    }
+    // About the same point.
+    let [a, b] = [inner, outer].map(|one| number(&one["moment"][2]));
+    assert!((a + b).abs() < 1e-5 * moment, "{a} {b}");
+    let around = 2.0 * std::f64::consts::PI;
+    assert!((number(&inner["area"]) / (10.0 * around) - 1.0).abs() < 1e-4);
+    assert!(number(&inner["gap"]) < 1e-3, "{inner}");
+    let table = std::fs::read_to_string(folder.join("results.csv")).unwrap();
+    let header = table.lines().next().unwrap();
+    assert!(header.contains("tie.outer.peak_traction_y"), "{header}");
+    assert!(run.stderr.contains("tie inner") || run.stdout.contains("inner"));
 }
