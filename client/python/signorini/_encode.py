@@ -50,7 +50,12 @@ def problem(scene: SceneLike, mesh: Mesh | Any | None = None, changes: Mapping[s
         settings.append(f"mesh={toml(ARRAYS)}")
     message = scene_pb2.Scene.FromString(_program.read_scene(text, path, settings))
     arrays_of_scene.put(message)
-    arrays = Mesh.read(message.mesh) if mesh is None else as_mesh(mesh)
+    if mesh is not None:
+        arrays = as_mesh(mesh)
+    elif message.mesh:
+        arrays = Mesh.read(message.mesh)
+    else:
+        arrays = Mesh.from_upload(_program.read_bodies(text, path, settings))
     message.mesh = arrays.name
     return Problem(message, arrays, read_surfaces(message))
 
@@ -65,7 +70,7 @@ def source(scene: SceneLike, arrays: Arrays) -> tuple[bytes, Path, Any]:
         return path.read_bytes(), path, None
     tables = dict(scene.as_dict() if isinstance(scene, Scene) else plain(scene))
     mesh = tables.get("mesh")
-    if isinstance(mesh, (str, Path)):
+    if mesh is None or isinstance(mesh, (str, Path)):
         mesh = None
     else:
         tables.pop("mesh", None)

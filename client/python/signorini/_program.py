@@ -79,6 +79,15 @@ def parted(messages: list[str]) -> tuple[Violation, ...]:
     return tuple(Violation(path, rest) if rest else Violation("", path) for path, _, rest in pairs)
 
 
+def read_bodies(text: bytes, path: Path, changes: list[str]) -> list[bytes]:
+    """The messages of the upload of the bodies of a scene file's text, as one mesh."""
+    settings = [part for change in changes for part in ("--set", change)]
+    code, output, messages = run("bodies", *settings, "--", str(path), text=text)
+    if code != 0:
+        raise MeshError("; ".join(messages), "MESH_INVALID", "INVALID_ARGUMENT")
+    return list(delimited(output))
+
+
 def read_mesh(path: Path) -> list[bytes]:
     """The messages of the upload of a mesh file."""
     code, output, messages = run("mesh", "--", str(path))

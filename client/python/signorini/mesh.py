@@ -82,7 +82,12 @@ class Mesh:
     @classmethod
     def read(cls, path: str | Path) -> Mesh:
         """A mesh file, as the command line reads it."""
-        first, *rest = (pb.UploadMeshRequest.FromString(one) for one in _program.read_mesh(Path(path)))
+        return cls.from_upload(_program.read_mesh(Path(path)))
+
+    @classmethod
+    def from_upload(cls, messages: Iterable[bytes]) -> Mesh:
+        """A mesh from the messages of its upload."""
+        first, *rest = (pb.UploadMeshRequest.FromString(one) for one in messages)
         return cls.from_messages(first.header, (one.chunk for one in rest))
 
     @classmethod

@@ -27,7 +27,7 @@ Given = Values | npt.NDArray[Any] | str | Path
 #: Key of scene files for a field of these classes that has another name.
 KEYS = {"materials": "material", "supports": "support", "tractions": "traction", "pressures": "pressure"}
 KEYS |= {"obstacles": "obstacle", "steps": "step", "probes": "probe", "fluids": "fluid", "gradients": "gradient"}
-KEYS |= {"contacts": "contact", "ties": "tie"}
+KEYS |= {"contacts": "contact", "ties": "tie", "bodies": "body"}
 
 
 class Part:
@@ -388,6 +388,17 @@ class Pressure(Part):
 
 
 @dataclass(kw_only=True)
+class Body(Part):
+    """A body with a mesh file of its own: scaled, turned about the origin by a vector, then moved."""
+
+    name: str
+    mesh: str | Path
+    translation: Vector | None = None
+    rotation: Vector | None = None
+    mesh_scale: float | None = None
+
+
+@dataclass(kw_only=True)
 class BodyContact(Part):
     """Two groups of facets of different bodies that may touch and leave each other."""
 
@@ -555,9 +566,9 @@ class Solver(Part):
 
 @dataclass(kw_only=True)
 class Scene(Part):
-    """A whole problem. `mesh` is a file or a `Mesh`; `materials` are by group of cells."""
+    """A whole problem. `mesh` is a file or a `Mesh`, none where `bodies` have files; `materials` are by group."""
 
-    mesh: str | Path | Mesh
+    mesh: str | Path | Mesh | None = None
     materials: Mapping[str, Material] = field(default_factory=dict)
     supports: Sequence[Support | Mapping[str, Any]] = ()
     tractions: Sequence[Traction | Mapping[str, Any]] = ()
@@ -579,6 +590,7 @@ class Scene(Part):
     accuracy: Accuracy | Mapping[str, Any] | None = None
     contacts: Sequence[BodyContact | Mapping[str, Any]] = ()
     ties: Sequence[Tie | Mapping[str, Any]] = ()
+    bodies: Sequence[Body | Mapping[str, Any]] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The tables of a scene file; a `Mesh` stays as it is."""

@@ -54,7 +54,7 @@ CLASSES = [
     (s.SupportMove, step_pb2.SupportTarget, set(), {"name"}),
     (s.FluidPressure, step_pb2.FluidTarget, {"up_to"}, {"name", "to_blow_off"}),
     (s.TractionChange, step_pb2.TractionTarget, set(), {"name"}),
-    (s.Scene, scene_pb2.Scene, set(), {"body_force_values"}),
+    (s.Scene, scene_pb2.Scene, {"bodies"}, {"body_force_values"}),
 ]
 
 
@@ -147,6 +147,18 @@ def test_a_scene_of_classes_is_that_of_its_tables(ball: s.Scene) -> None:
     assert by_classes.scene == by_tables.scene
     assert by_classes.scene.steps[0].obstacles[0].translation[2] == -0.05
     assert by_classes.scene.mesh == f"meshes/{ball.mesh.digest}"  # type: ignore[union-attr]
+
+
+def test_bodies_with_files_of_their_own_become_one_mesh() -> None:
+    square = Path(__file__).parents[2] / "examples/meshes/square_n16.msh"
+    bodies = [s.Body(name="low", mesh=square), s.Body(name="up", mesh=square, translation=(0, 1, 0))]
+    ties = [s.Tie(name="seam", between=("low-y1", "up-y0"))]
+    problem = _encode.problem(s.Scene(bodies=bodies, ties=ties))
+    assert set(problem.mesh.bodies) == {"low-body", "up-body"}
+    assert {"low-y1", "up-y0"} <= set(problem.mesh.surfaces)
+    assert problem.mesh.points[:, 1].max() == 2.0
+    assert problem.scene.mesh == problem.mesh.name
+    assert list(problem.scene.ties[0].between) == ["low-y1", "up-y0"]
 
 
 def test_every_message_of_reports_has_a_view() -> None:

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use signorini_client::bounded_file;
 use signorini_client::formats::grid;
 use signorini_client::formats::inp::{self, scene::DeckScene};
-use signorini_client::formats::mesh::MeshFile;
+use signorini_client::formats::mesh::{self, Body, MeshFile};
 use signorini_client::formats::reader::{self, Format, ReadError};
 use signorini_client::formats::stl;
 use signorini_client::formats::vtp::Triangulation;
@@ -67,14 +67,7 @@ impl Input {
 pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
     let mut file = read_scene(&arguments.scene, &arguments.overrides)?;
     scene_file::read_values(&mut file).map_err(SceneFileError::Invalid)?;
-    let mut mesh = load_mesh(&file.mesh).map_err(|failure| {
-        let is_there = file.mesh.exists();
-        if is_there {
-            failure
-        } else {
-            failure.hint(BESIDE)
-        }
-    })?;
+    let mut mesh = whole_mesh(&file)?;
     if mesh.groups.is_empty() {
         mesh.warnings.push(WITHOUT_GROUPS.to_owned());
     }
@@ -89,7 +82,11 @@ pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
     let surfaces = load_surfaces(&mut scene, &file.surfaces)?;
     Ok(Input {
         scene,
-        mesh_path: file.mesh,
+        mesh_path: if file.bodies.is_empty() {
+            file.mesh
+        } else {
+            arguments.scene.clone()
+        },
         mesh,
         wire,
         surfaces: surfaces.wire,
@@ -114,9 +111,36 @@ pub(crate) fn scene_of(path: &Path) -> Result<v1::Scene, Failure> {
 
 /// The mesh of a scene, with the path that it was read from.
 pub(crate) fn mesh_of(path: &Path) -> Result<(PathBuf, MeshFile), Failure> {
-    let mesh = read_scene(path, &[])?.mesh;
-    let read = load_mesh(&mesh)?;
-    Ok((mesh, read))
+    let file = read_scene(path, &[])?;
+    let read = whole_mesh(&file)?;
+    let from = if file.bodies.is_empty() {
+        file.mesh
+    } else {
+        path.to_owned()
+    };
+    Ok((from, read))
+}
+
+/// The mesh of a scene, that of all its bodies where these have meshes of their own.
+pub(crate) fn whole_mesh(file: &SceneFile) -> Result<MeshFile, Failure> {
+    let load = |path: &Path| {
+        load_mesh(path).map_err(|failure| match path.exists() {
+            true => failure,
+            false => failure.hint(BESIDE),
+        })
+    };
+    if file.bodies.is_empty() {
+        return load(&file.mesh);
+    }
+    let bodies = file.bodies.iter().map(|body| {
+        Ok(Body {
+            name: body.name.clone(),
+            mesh: load(&body.mesh)?,
+            placement: body.placement,
+        })
+    });
+    let bodies = bodies.collect::<Result<Vec<Body>, Failure>>()?;
+    mesh::joined(bodies).map_err(|fault| Failure::new(Exit::Invalid, format!("body: {fault}")))
 }
 
 /// Surfaces of obstacles, and what they look like by the names of the obstacles.

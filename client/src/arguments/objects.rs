@@ -65,9 +65,18 @@ pub(crate) enum SessionCommand {
 #[derive(Debug, Subcommand)]
 pub(crate) enum EmbedCommand {
     /// Read a scene (TOML) from stdin, print the message; its `mesh`, and the files of tools,
-    /// are paths
+    /// are paths; no mesh where bodies have their own
     Scene {
         /// Names the scene: its stem is the default name, its folder holds the mesh
+        path: PathBuf,
+        /// Change a key of the scene
+        #[arg(long = "set", value_name = "PATH=VALUE")]
+        overrides: Vec<Override>,
+    },
+    /// Read a scene whose bodies have meshes of their own from stdin, print the messages of the
+    /// upload of all of them as one, each after its length
+    Bodies {
+        /// Names the scene: its folder holds the meshes
         path: PathBuf,
         /// Change a key of the scene
         #[arg(long = "set", value_name = "PATH=VALUE")]

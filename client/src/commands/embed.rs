@@ -10,8 +10,9 @@ use std::io::{Read as _, Write as _};
 use std::path::Path;
 
 use prost::Message;
+use signorini_client::formats::mesh::MeshFile;
 use signorini_client::formats::{grid, stl};
-use signorini_client::scene_file::{self, Override, SceneFileError};
+use signorini_client::scene_file::{self, Override, SceneFile, SceneFileError};
 use signorini_client::{WireMesh, WireSurface};
 use signorini_proto::v1;
 
@@ -23,7 +24,10 @@ use crate::terminal::text::note;
 pub(super) async fn run(command: EmbedCommand) -> Result<Exit, Failure> {
     match command {
         EmbedCommand::Scene { path, overrides } => scene(&path, &overrides),
-        EmbedCommand::Mesh { path } => mesh(&path),
+        EmbedCommand::Bodies { path, overrides } => {
+            upload(&input::whole_mesh(&given(&path, &overrides)?)?)
+        }
+        EmbedCommand::Mesh { path } => upload(&input::load_mesh(&path)?),
         EmbedCommand::Surface { path, weld } => {
             let read = |bytes: &[u8]| stl::read_within(bytes, weld.unwrap_or(stl::WELD));
             surface(WireSurface::new(&input::read_file(&path, read)?)?)
@@ -35,12 +39,17 @@ pub(super) async fn run(command: EmbedCommand) -> Result<Exit, Failure> {
     }
 }
 
-fn scene(path: &Path, overrides: &[Override]) -> Result<Exit, Failure> {
+/// The scene on stdin.
+fn given(path: &Path, overrides: &[Override]) -> Result<SceneFile, Failure> {
     let mut text = String::new();
     std::io::stdin()
         .read_to_string(&mut text)
         .map_err(|error| Failure::unreadable(path, &error))?;
-    let mut file = scene_file::read(&text, path, overrides)?;
+    Ok(scene_file::read(&text, path, overrides)?)
+}
+
+fn scene(path: &Path, overrides: &[Override]) -> Result<Exit, Failure> {
+    let mut file = given(path, overrides)?;
     scene_file::read_values(&mut file).map_err(SceneFileError::Invalid)?;
     let mesh = file.mesh.to_str().ok_or_else(|| {
         let message = format!("mesh: {} is not UTF-8", file.mesh.display());
@@ -59,12 +68,11 @@ fn scene(path: &Path, overrides: &[Override]) -> Result<Exit, Failure> {
     write(std::iter::once(scene.encode_to_vec()))
 }
 
-fn mesh(path: &Path) -> Result<Exit, Failure> {
-    let mesh = input::load_mesh(path)?;
+fn upload(mesh: &MeshFile) -> Result<Exit, Failure> {
     for warning in &mesh.warnings {
         note(&format!("warning: {warning}\n"));
     }
-    let requests = WireMesh::new(&mesh)?.requests();
+    let requests = WireMesh::new(mesh)?.requests();
     write(requests.map(|request| request.encode_length_delimited_to_vec()))
 }
 

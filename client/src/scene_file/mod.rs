@@ -5,6 +5,7 @@
 //! key paths; keys of capabilities that it does not have yet are passed on, so
 //! that it can say so. Every fault of a file is reported, not just the first.
 
+mod bodies;
 mod body;
 mod fluid;
 mod goals;
@@ -30,6 +31,7 @@ use signorini_proto::v1;
 use signorini_proto::v1::shape::Kind;
 use toml::Table;
 
+pub use bodies::BodyFile;
 pub use outline::{drawn_near, outline};
 pub use overrides::{Override, read_value};
 pub use sampled::{facets, file_drawn_near, grid_surface};
@@ -51,6 +53,7 @@ const SCENE: &[&str] = &[
     "fluid",
     "body_force",
     "obstacle",
+    "body",
     "contact",
     "tie",
     "manufactured",
@@ -74,8 +77,10 @@ const KINDS: &[(&str, v1::SceneKind)] = &[
 pub struct SceneFile {
     /// The message; `mesh` is still empty, for the mesh has no digest yet.
     pub scene: v1::Scene,
-    /// Path of the mesh file.
+    /// Path of the mesh file; empty where bodies have meshes of their own.
     pub mesh: PathBuf,
+    /// Bodies with mesh files of their own; empty where the scene has one mesh.
+    pub bodies: Vec<BodyFile>,
     /// Paths of the triangulated surfaces and grids, by the place of their obstacle; their names in the
     /// message are still what the file says.
     pub surfaces: Vec<(usize, PathBuf)>,
@@ -95,7 +100,7 @@ pub enum SceneFileError {
 }
 
 /// Reads a scene from text. `path` names the file: its stem is the default name
-/// and its folder is where a relative `mesh` begins. Overrides are applied to
+/// and its folder is where a relative `mesh` begins, of the scene or of a body. Overrides are applied to
 /// the file's tables before anything is checked; a mesh among them is relative
 /// to the working directory.
 ///
@@ -141,8 +146,12 @@ impl Template {
         let stem = self.path.file_stem();
         let stem = stem.map(|stem| stem.to_string_lossy().into_owned());
         let scene = scene(&keys, stem.unwrap_or_default());
-        let mesh = PathBuf::from(keys.required_text("mesh"));
         let beside = self.path.parent().unwrap_or(Path::new(""));
+        let bodies = bodies::bodies(&keys, beside);
+        let mesh = match bodies[..] {
+            [] => PathBuf::from(keys.required_text("mesh")),
+            _ => PathBuf::new(),
+        };
         let given = overrides.iter().any(Override::is_mesh);
         let folder = if given { Path::new("") } else { beside };
         faults.finish().map_err(SceneFileError::Invalid)?;
@@ -150,7 +159,12 @@ impl Template {
             surfaces: surfaces(&scene, beside),
             values: values::named(&table, beside),
             scene,
-            mesh: folder.join(mesh),
+            mesh: if bodies.is_empty() {
+                folder.join(mesh)
+            } else {
+                mesh
+            },
+            bodies,
         })
     }
 

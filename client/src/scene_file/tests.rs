@@ -201,6 +201,36 @@ fn wrong_types_name_both_types() {
 }
 
 #[test]
+fn bodies_have_meshes_of_their_own_and_places() {
+    let bodies = "[[body]]\nname = \"ring\"\nmesh = \"ring.msh\"\ntranslation = [1, 2, 0]\nmesh_scale = 2\n\
+                  [[body]]\nmesh = \"/shell.msh\"\nrotation = [0, 0, 0.5]\n";
+    let file = parse(bodies, &[]).unwrap();
+    assert_eq!(file.mesh, Path::new(""));
+    let [ring, shell] = &file.bodies[..] else {
+        panic!("{:?}", file.bodies);
+    };
+    assert_eq!(
+        (ring.name.as_str(), shell.name.as_str()),
+        ("ring", "body-2")
+    );
+    assert_eq!(ring.mesh, Path::new("folder/ring.msh"));
+    assert_eq!(shell.mesh, Path::new("/shell.msh"));
+    assert_eq!(ring.placement.scale.to_bits(), 2.0_f64.to_bits());
+    assert_eq!(
+        ring.placement.translation.map(f64::to_bits),
+        [1.0_f64, 2.0, 0.0].map(f64::to_bits)
+    );
+    assert_eq!(shell.placement.rotation[2].to_bits(), 0.5_f64.to_bits());
+    let faults: Vec<_> = violations(&format!(
+        "mesh = \"a.msh\"\nmesh_scale = 2\n{bodies}{bodies}"
+    ))
+    .into_iter()
+    .map(|fault| fault.path)
+    .collect();
+    assert_eq!(faults, ["mesh", "mesh_scale", "body.ring.name"]);
+}
+
+#[test]
 fn an_empty_scene_misses_its_mesh() {
     let faults = violations("");
     assert_eq!(

@@ -71,16 +71,18 @@ impl Assets {
     ) -> Result<v1::Scene, AssetFault<D::Error>> {
         // One task reads a file, the others wait for its name.
         let mut names = self.names.lock().await;
-        let mut scene = file.scene;
-        let mesh = (file.mesh, None);
-        scene.mesh = match names.get(&mesh) {
-            Some(name) => name.clone(),
+        let mesh = (mesh_key(&file), None);
+        let known = names.get(&mesh).cloned();
+        let name = match known {
+            Some(name) => name,
             None => {
-                let name = hand_on_mesh(&mesh.0, depot).await?;
+                let name = hand_on_mesh(&file, depot).await?;
                 names.insert(mesh, name.clone());
                 name
             }
         };
+        let mut scene = file.scene;
+        scene.mesh = name;
         for (index, path) in file.surfaces {
             let asset = (path, weld(&scene, index).map(f64::to_bits));
             let known = names.get(&asset).cloned();
@@ -104,8 +106,20 @@ fn weld(scene: &v1::Scene, obstacle: usize) -> Option<f64> {
     }
 }
 
-async fn hand_on_mesh<D: Depot>(path: &Path, depot: &D) -> Result<String, AssetFault<D::Error>> {
-    let mesh = input::load_mesh(path).map_err(AssetFault::File)?;
+/// What tells a mesh from others: its file, or those of the bodies with their places.
+fn mesh_key(file: &SceneFile) -> PathBuf {
+    if file.bodies.is_empty() {
+        file.mesh.clone()
+    } else {
+        PathBuf::from(format!("{:?}", file.bodies))
+    }
+}
+
+async fn hand_on_mesh<D: Depot>(
+    file: &SceneFile,
+    depot: &D,
+) -> Result<String, AssetFault<D::Error>> {
+    let mesh = input::whole_mesh(file).map_err(AssetFault::File)?;
     let wire = WireMesh::new(&mesh).map_err(|error| AssetFault::Depot(error.into()))?;
     drop(mesh);
     let name = wire.name();

@@ -6,6 +6,7 @@
 mod build;
 mod curved;
 mod fault;
+mod joined;
 mod outer;
 mod plane;
 pub(crate) mod raw;
@@ -14,6 +15,7 @@ pub(crate) mod split;
 
 pub(crate) use build::mesh as build;
 pub use fault::MeshFault;
+pub use joined::{Body, JoinFault, Placement, joined};
 pub(crate) use outer::{BODY, BOUNDARY, outer_facets};
 
 /// A named set of cells or facets.
