@@ -26,6 +26,9 @@ use crate::scene::P1Solver;
 
 /// Shift of A11 for floating bodies, in mu / L^2.
 const SHIFT: f64 = 1e-2;
+/// That for bodies which ties hold: turned under the tractions of a tie such a body loses energy, up to
+/// some mu, and an inverse that is far above finds no way back.
+const SHIFT_OF_TIED: f64 = 1.0;
 
 /// A solver of the P1 block and what came with it.
 pub(crate) struct P1Built {
@@ -72,7 +75,11 @@ pub(crate) fn build(
     cancel: &CancelToken,
 ) -> Result<P1Built, PrepareError> {
     let start = Instant::now();
-    let shift = if plan.is_shifted() { SHIFT } else { 0.0 };
+    let shift = match (plan.is_floating(), plan.is_shifted()) {
+        (true, _) => SHIFT,
+        (false, true) => SHIFT_OF_TIED,
+        (false, false) => 0.0,
+    };
     let cells = StiffCells {
         mesh: body.mesh,
         space: body.space,
