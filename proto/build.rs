@@ -36,7 +36,7 @@ fn main() -> Outcome<()> {
 }
 
 /// Messages that become JSON as they are.
-const SERIALISED: [&str; 25] = [
+const SERIALISED: [&str; 26] = [
     "Attempt",
     "BodyContactResult",
     "BodyFriction",

@@ -142,8 +142,14 @@ fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> Result<(Problem, Vec<u32
     };
     let pairs = pairs::choose(&resolved.pairs, &resolved, mesh);
     let held_nodes = held_nodes(&resolved, (mesh, &space), &held);
-    let ties = planned_ties(body, &resolved, &held_nodes, (&obstacles, &pairs, &units))?;
-    let surfaces = Surfaces::of(body, (&obstacles, &pairs, &ties), &resolved, contact_space);
+    let others = acted_on(&resolved, &obstacles, &pairs);
+    let ties = planned_ties(body, &resolved, &held_nodes, (&others, &units))?;
+    let acting = surfaces::Acting {
+        obstacles: &obstacles,
+        pairs: &pairs,
+        ties: &ties,
+    };
+    let surfaces = Surfaces::of(body, acting, &resolved, contact_space);
     let tangential_multipliers = friction::tangential_multipliers(
         (&obstacles, &surfaces.layouts),
         (&pairs, &surfaces.pair_layouts),
@@ -180,26 +186,34 @@ fn problem(scene: &Scene, items: Items, mesh: &Mesh) -> Result<(Problem, Vec<u32
     Ok((problem, surfaces.vertices))
 }
 
-/// The ties of a scene, beside everything else that acts on surfaces.
-fn planned_ties(
-    body: surfaces::Body<'_>,
-    resolved: &Resolved,
-    held_nodes: &[HeldByPlanes],
-    (obstacles, pairs, units): (&[ResolvedObstacle], &[PlannedPair], &Units),
-) -> Result<Vec<PlannedTie>, SceneError> {
+/// Facets on which something else than ties acts by multipliers.
+fn acted_on<'a>(
+    resolved: &'a Resolved,
+    obstacles: &'a [ResolvedObstacle],
+    pairs: &'a [PlannedPair],
+) -> Vec<&'a [u32]> {
     let candidates = obstacles.iter().map(|obstacle| &obstacle.facets);
     let sides = pairs.iter().flat_map(|pair| [&pair.carrier, &pair.other]);
     let supports = resolved.supports.iter();
     let patches = supports.flat_map(|support| &support.patches);
     let others = candidates.chain(sides).chain(patches);
-    let others: Vec<&[u32]> = others.map(|facets| &facets[..]).collect();
+    others.map(|facets| &facets[..]).collect()
+}
+
+/// The ties of a scene, beside those `others`.
+fn planned_ties(
+    body: surfaces::Body<'_>,
+    resolved: &Resolved,
+    held_nodes: &[HeldByPlanes],
+    (others, units): (&[&[u32]], &Units),
+) -> Result<Vec<PlannedTie>, SceneError> {
     let ground = ties::Ground {
         mesh: body.mesh,
         space: body.space,
         scale: units.coordinate_scale,
         held: body.held,
         held_nodes,
-        others: &others,
+        others,
     };
     ties::choose(resolved, ground)
 }

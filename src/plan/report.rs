@@ -146,9 +146,10 @@ impl Plan {
         self.push_goals(&mut push);
         if self.is_shifted() {
             let resolved = &self.problem.resolved;
-            let free = match self.is_floating() {
-                true => &resolved.free_modes,
-                false => &resolved.free_alone,
+            let free = if self.is_floating() {
+                &resolved.free_modes
+            } else {
+                &resolved.free_alone
             };
             let reason = format!("supports leave {}", free.join(", "));
             push("rigid modes", "shifted P1 factor".into(), &reason);

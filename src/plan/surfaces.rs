@@ -58,14 +58,30 @@ pub(super) struct Body<'a> {
     pub(super) held: &'a [(u32, u16)],
 }
 
+/// What acts on them.
+#[derive(Clone, Copy)]
+pub(super) struct Acting<'a> {
+    /// Tools.
+    pub(super) obstacles: &'a [ResolvedObstacle],
+    /// Contacts between bodies.
+    pub(super) pairs: &'a [PlannedPair],
+    /// Ties between bodies.
+    pub(super) ties: &'a [PlannedTie],
+}
+
 impl Surfaces {
     /// Those of `obstacles` and of the supports of `resolved`.
     pub(super) fn of(
         body: Body<'_>,
-        (obstacles, pairs, ties): (&[ResolvedObstacle], &[PlannedPair], &[PlannedTie]),
+        acting: Acting<'_>,
         resolved: &Resolved,
         space: ContactSpace,
     ) -> Self {
+        let Acting {
+            obstacles,
+            pairs,
+            ties,
+        } = acting;
         let candidates = obstacles.iter().map(|obstacle| &obstacle.facets);
         let sides = pairs.iter().flat_map(|pair| [&pair.carrier, &pair.other]);
         let sides = sides.chain(ties.iter().flat_map(PlannedTie::sides));

@@ -162,8 +162,7 @@ pub(crate) fn resolve<'a>(
     within_extent(scene, mesh)?;
     let mut faults = Faults::default();
     let kind = kind(scene, mesh, &mut faults);
-    let scale = scene.mesh_scale.unwrap_or(1.0);
-    faults.above_zero("mesh_scale", scale);
+    faults.above_zero("mesh_scale", scene.mesh_scale.unwrap_or(1.0));
     let (mut materials, cell_material) = materials::resolve(scene, mesh, &mut faults);
     if kind == SceneKind::PlaneStress {
         materials::flatten(scene, &mut materials, &mut faults);
@@ -178,11 +177,7 @@ pub(crate) fn resolve<'a>(
     let fluids = fluids::resolve(scene, mesh, &mut faults);
     let obstacles = obstacles::resolve(scene, mesh, &mut faults);
     let pairs = pairs::resolve(scene, (kind, mesh), &mut faults);
-    let others = ties::Others {
-        obstacles: &obstacles,
-        contacts: &pairs,
-        fluids: &fluids,
-    };
+    let others = ties::Others::of(&obstacles, &pairs, &fluids);
     let ties = ties::resolve(scene, mesh, others, &mut faults);
     obstacles::refuse_held_faces(mesh, &supports, &obstacles, &mut faults);
     let manufactured = bodies::manufactured(scene, mesh, &mut faults);
@@ -191,19 +186,10 @@ pub(crate) fn resolve<'a>(
     bodies::refuse_values(scene, &mut faults);
     let probes = bodies::probes(scene, mesh, &mut faults);
     goals::check(scene, &mut faults);
-    let formulated = solver::Formulated {
-        mixed,
-        incompressible: materials.iter().all(ResolvedMaterial::is_incompressible),
-    };
-    solver::check(scene, formulated, &mut faults);
-    let held = rigid_modes::Held {
-        supports: &supports,
-        ties: &ties,
-    };
-    let rigid_modes::Free { modes, alone } =
-        rigid_modes::check((scene, kind), mesh, held, &mut faults);
-    let free_modes = modes;
-    solver::check_contact(scene, &free_modes, &mut faults);
+    solver::check(scene, formulated(mixed, &materials), &mut faults);
+    let held = rigid_modes::Held::by(&supports, &ties);
+    let free = rigid_modes::check((scene, kind), mesh, held, &mut faults);
+    solver::check_contact(scene, &free.modes, &mut faults);
     rubber::check(scene, &materials, &mut faults);
     steps::Steps { scene, mesh }.check_all(steps, &mut faults);
     faults.result()?;
@@ -222,10 +208,17 @@ pub(crate) fn resolve<'a>(
         body_force_values,
         probes,
         manufactured,
-        free_modes,
-        free_alone: alone,
+        free_modes: free.modes,
+        free_alone: free.alone,
     };
     Ok((resolved, obstacles))
+}
+
+fn formulated(mixed: bool, materials: &[ResolvedMaterial]) -> solver::Formulated {
+    solver::Formulated {
+        mixed,
+        incompressible: materials.iter().all(ResolvedMaterial::is_incompressible),
+    }
 }
 
 /// Whether the scene names no more than is worth a look.

@@ -36,6 +36,12 @@ pub(crate) struct Held<'a> {
     pub(crate) ties: &'a [ResolvedPair],
 }
 
+impl<'a> Held<'a> {
+    pub(crate) fn by(supports: &'a [ResolvedSupport], ties: &'a [ResolvedPair]) -> Self {
+        Self { supports, ties }
+    }
+}
+
 /// Names of free modes.
 pub(crate) struct Free {
     /// Those that neither supports nor ties hold.

@@ -20,6 +20,20 @@ pub(crate) struct Others<'a> {
     pub(crate) fluids: &'a [ResolvedFluid],
 }
 
+impl<'a> Others<'a> {
+    pub(crate) fn of(
+        obstacles: &'a [Placed<'a, Obstacle>],
+        contacts: &'a [ResolvedPair],
+        fluids: &'a [ResolvedFluid],
+    ) -> Self {
+        Self {
+            obstacles,
+            contacts,
+            fluids,
+        }
+    }
+}
+
 /// The ties on their facets.
 pub(crate) fn resolve(
     scene: &Scene,
