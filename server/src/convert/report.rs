@@ -5,8 +5,8 @@ use signorini::plan::PlanReport;
 use signorini::report::{
     Attempt, BodyContactResult, BodyFriction, Cause, CauseSite, ContactInterval, FluidResult,
     GoalReport, IterationRecord, LeakPathResult, ManufacturedErrors, ObstacleResult, ProbeResult,
-    Residuals, Seconds, Snapped, Stability, StepReport, Strategy, SupportResult, Termination, TieResult,
-    Tightness, Unknowns, Warning,
+    Residuals, Seconds, Snapped, Stability, StepReport, Strategy, SupportResult, Termination,
+    TieResult, Tightness, Unknowns, Warning,
 };
 use signorini_proto::v1 as wire;
 
