@@ -6,11 +6,12 @@
 //! Cost: the solutions of all rounds, one without fluids.
 
 use crate::fluid::front::{Advance, Front};
+use crate::fluid::surface::FluidSurface;
 use crate::force_control;
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Leak, Site};
-use crate::model::fluids::Met;
+use crate::model::fluids::{Met, barred};
 use crate::model::open_gap;
 use crate::model::state::State;
 use crate::report::{Cause, Termination};
@@ -25,9 +26,10 @@ pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         return force_control::solve(run, drive);
     }
     squeeze(&run.model, run.state, drive);
-    let mut advanced = sought(run.state, drive);
+    let drives = rising(run.state, drive);
+    let mut advanced = sought(run.state, drive, drives);
     loop {
-        if let Some(leak) = leak(&run.model, run.state, drive) {
+        if let Some(leak) = leak((&run.model, run.state), drive, drives) {
             return leaking(run, leak);
         }
         let mut ending = force_control::solve(run, drive);
@@ -39,7 +41,7 @@ pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         if advance(&run.model, run.state, drive) == Advance::default() {
             return ending;
         }
-        advanced = pressing(drive);
+        advanced = pressing(drive, drives);
     }
 }
 
@@ -91,27 +93,22 @@ fn leak_at(fluid: usize, node: Option<u32>) -> Leak {
     }
 }
 
-/// The first fluid, in the order of the scene, that is where it must not be.
-fn leak(model: &Model<'_>, state: &State, drive: &Drive) -> Option<Leak> {
+/// The fluid that is where it must not be: of several, as where two meet, the one that `drives`, else
+/// the first in the order of the scene.
+fn leak(
+    (model, state): (&Model<'_>, &State),
+    drive: &Drive,
+    drives: Option<usize>,
+) -> Option<Leak> {
     let surfaces = &model.plan.problem.fluid_surfaces;
-    let pressed = |index: &usize| drive.fluids[*index].pressure > 0.0;
-    let mut leaks = (0..surfaces.len()).filter(pressed).filter_map(|index| {
-        let surface = &surfaces[index];
-        let is_taken = |node| is_wet_by_others(model, state, (index, node));
-        let place = surface.leak(&state.wet[index], is_taken)?;
-        Some(leak_at(index, Some(surface.nodes[place])))
+    let pressing = (0..surfaces.len()).filter(|&index| drive.fluids[index].pressure > 0.0);
+    let leaks = pressing.filter_map(|index| {
+        let place = FluidSurface::leak(&state.wet[index], &barred(model, state, index))?;
+        Some(leak_at(index, Some(surfaces[index].nodes[place])))
     });
-    leaks.next()
-}
-
-/// Whether another fluid than that of number `own` is at a node.
-fn is_wet_by_others(model: &Model<'_>, state: &State, (own, node): (usize, u32)) -> bool {
-    let surfaces = model.plan.problem.fluid_surfaces.iter();
-    let mut others = surfaces.zip(&state.wet).enumerate();
-    others.any(|(index, (surface, wet))| {
-        let place = surface.nodes.binary_search(&node);
-        index != own && place.is_ok_and(|place| wet[place])
-    })
+    let all: Vec<Leak> = leaks.collect();
+    let driving = all.iter().find(|leak| Some(leak.fluid) == drives);
+    driving.or(all.first()).copied()
 }
 
 /// The end of a part in which a fluid leaks.
@@ -132,17 +129,37 @@ fn leaking(run: &mut Run<'_>, leak: Leak) -> Ending {
     }
 }
 
-/// The fluid whose blow-off is sought and whose pressure rises, as one that leaks.
-fn sought(state: &State, drive: &Drive) -> Option<Leak> {
-    let mut ends = drive.fluids.iter().zip(&state.drive.fluids);
-    let rising = ends.position(|(end, start)| end.to_blow_off && end.pressure > start.pressure);
-    rising.map(|fluid| leak_at(fluid, None))
+/// The fluid that drives a part: of those whose pressure rises the one whose blow-off is sought, else
+/// that of the largest rise.
+fn rising(state: &State, drive: &Drive) -> Option<usize> {
+    let ends = drive.fluids.iter().zip(&state.drive.fluids).enumerate();
+    let rises = ends.map(|(index, (end, start))| (index, end, end.pressure - start.pressure));
+    let most = rises
+        .filter(|(_, _, rise)| *rise > 0.0)
+        .max_by(|(_, a, rise), (_, b, other)| {
+            let sought = a.to_blow_off.cmp(&b.to_blow_off);
+            sought.then(rise.total_cmp(other))
+        });
+    most.map(|(index, ..)| index)
 }
 
-/// The fluid of the highest pressure as one that leaks.
-fn pressing(drive: &Drive) -> Option<Leak> {
+/// The fluid `drives` as one that leaks where the body has no equilibrium: its blow-off is sought, and
+/// nothing else moves that may be the cause.
+fn sought(state: &State, drive: &Drive, drives: Option<usize>) -> Option<Leak> {
+    let fluid = drives.filter(|&fluid| drive.fluids[fluid].to_blow_off)?;
+    let others = Drive {
+        fluids: state.drive.fluids.clone(),
+        ..drive.clone()
+    };
+    let is_led = others.pushes.is_empty() && others.poses != state.drive.poses;
+    (!is_led && others.is_loaded_like(&state.drive)).then(|| leak_at(fluid, None))
+}
+
+/// The fluid that drives the part, else that of the highest pressure, as one that leaks.
+fn pressing(drive: &Drive, drives: Option<usize>) -> Option<Leak> {
     let pressures = drive.fluids.iter().map(|fluid| fluid.pressure).enumerate();
-    let (fluid, _) = pressures.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let highest = pressures.max_by(|a, b| a.1.total_cmp(&b.1));
+    let fluid = drives.or(highest.map(|(fluid, _)| fluid))?;
     Some(leak_at(fluid, None))
 }
 

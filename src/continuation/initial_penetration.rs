@@ -47,6 +47,13 @@ impl InitialPenetration {
         found
     }
 
+    /// None.
+    pub(crate) fn none() -> Self {
+        Self {
+            penetration: Vec::new(),
+        }
+    }
+
     /// Whether there is any, so that a body between two parts is still let in.
     pub(crate) fn is_any(&self) -> bool {
         !self.penetration.is_empty()

@@ -5,13 +5,19 @@
 //! q(tight) <= blow-off pressure <= q(leaks),   q(leaks) - q(tight) <= tolerance q(leaks)
 //! ```
 //!
-//! by bisection of the path. Where the pressure stays the same it is the path itself, such as the
-//! motion of an obstacle, that is bracketed, to the tolerance times its length.
+//! by bisection of the path, which is bracketed too, to the tolerance times its length: where the pressure stays
+//! the same or nearly so it is a motion, such as that of an obstacle, at which the fluid leaks.
 
 use crate::model::drive::Drive;
 use crate::model::ending::Leak;
 use crate::plan::Plan;
 use crate::report::Cause;
+
+constants! {
+    /// Fraction of the path up to which a leak is bracketed at most, without unit: one that begins with the path
+    /// itself has no pressure that a tolerance would be relative to. Chosen.
+    const LEAST_WAY: f64 = 1e-6;
+}
 
 /// What is known of the leak ahead.
 #[derive(Clone, Copy, Debug)]
@@ -56,14 +62,12 @@ impl LeakBracket {
         }
     }
 
-    /// Whether the bracket is as narrow as asked for.
+    /// Whether the bracket is as narrow as asked for: on the path, and in the pressure, which where it
+    /// rises from far below is the shorter one.
     pub(super) fn is_narrow(&self, plan: &Plan, path: [&Drive; 2], reached: f64) -> bool {
         let tolerance = plan.problem.resolved.fluids[self.leak.fluid].blow_off_tolerance;
-        let [start, end] = path.map(|drive| drive.fluids[self.leak.fluid].pressure);
-        if start.to_bits() == end.to_bits() {
-            return self.end - reached <= tolerance;
-        }
+        let way = self.end - reached;
         let [low, high] = self.leak(path, reached).pressures;
-        (high - low).abs() <= tolerance * high
+        way <= LEAST_WAY || (way <= tolerance && (high - low).abs() <= tolerance * low.max(high))
     }
 }

@@ -100,7 +100,15 @@ impl Failed {
 pub(crate) fn advance(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
     let start = run.state.drive.clone();
     let goal = &goal.carried_by(&start);
-    let penetration = InitialPenetration::of(&run.model, run.state, &start);
+    let mut penetration = InitialPenetration::of(&run.model, run.state, &start);
+    if penetration.is_any() && goal.seeks_blow_off(&start) {
+        // The pressure that is sought is that of a body in equilibrium, not on its way out of obstacles.
+        let (ending, _) = advance(run, &start);
+        if ending.termination != Termination::Converged {
+            return (ending, 0.0);
+        }
+        penetration = InitialPenetration::none();
+    }
     let longest = longest_part(&run.model, run.state, goal);
     let mut path = LoadPath {
         start,
@@ -422,6 +430,7 @@ fn note_trend(run: &mut Run<'_>, ending: &Ending, before: &State) {
 /// The numeric constants of this room.
 pub(crate) fn constants() -> Vec<crate::constants::Constant> {
     [
+        leak_bracket::own_constants(),
         longest_part::own_constants(),
         own_constants(),
         parts::own_constants(),

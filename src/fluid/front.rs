@@ -9,6 +9,8 @@ use super::surface::FluidSurface;
 pub struct Front<'a> {
     /// The surface.
     pub surface: &'a FluidSurface,
+    /// Nodes that the fluid must not reach.
+    pub dry: &'a [bool],
     /// Coefficients of the contact pressure at its nodes, what the fluid bears left out.
     pub contact: &'a [f64],
     /// Pressure of contact and fluid together at its nodes.
@@ -67,6 +69,7 @@ impl Front<'_> {
     pub fn margin(&self, wet: &[bool]) -> Option<(f64, usize)> {
         let barrier = Barrier {
             surface: self.surface,
+            dry: self.dry,
             wet,
             pressure: self.total,
         };
@@ -133,6 +136,7 @@ mod tests {
     fn of_unit_pressure<'a>(surface: &'a FluidSurface, contact: &'a [f64]) -> Front<'a> {
         Front {
             surface,
+            dry: &surface.dry,
             contact,
             total: contact,
             threshold: 1.0,
@@ -159,7 +163,7 @@ mod tests {
         let mut wet = surface.sources.clone();
         let rounds: Vec<usize> = (0..3).map(|_| front.advance(&mut wet).entered).collect();
         assert_eq!(rounds, [2, 0, 0]);
-        assert_eq!(surface.leak(&wet, |_| false), None);
+        assert_eq!(FluidSurface::leak(&wet, &surface.dry), None);
         // With a threshold of zero it enters only what is open.
         let never = Front {
             threshold: 0.0,
@@ -176,7 +180,7 @@ mod tests {
         let front = of_unit_pressure(&surface, &contact);
         let mut wet = surface.sources.clone();
         assert_eq!(front.advance(&mut wet).flooded, 8);
-        assert_eq!(surface.leak(&wet, |_| false), Some(along[8]));
+        assert_eq!(FluidSurface::leak(&wet, &surface.dry), Some(along[8]));
     }
 
     #[test]

@@ -23,6 +23,8 @@ pub struct Barrier<'a> {
     pub surface: &'a FluidSurface,
     /// Wet nodes, which cost nothing.
     pub wet: &'a [bool],
+    /// Nodes that it must not reach.
+    pub dry: &'a [bool],
     /// Pressure at the nodes; infinite where no path may lead.
     pub pressure: &'a [f64],
 }
@@ -70,7 +72,7 @@ impl Barrier<'_> {
             let beside = self.surface.beside(place);
             let mut joined: Vec<usize> = beside.filter(|&other| is_in[other]).collect();
             joined.extend(self.wet[place].then_some(wet));
-            joined.extend(self.surface.dry[place].then_some(dry));
+            joined.extend(self.dry[place].then_some(dry));
             for other in joined {
                 join(&mut roots, place, other);
             }
@@ -94,7 +96,7 @@ impl Barrier<'_> {
             if from[place].is_some_and(|(known, _)| known < length) {
                 continue;
             }
-            if self.surface.dry[place] {
+            if self.dry[place] {
                 return Some(traced(&from, place));
             }
             for other in self
@@ -191,7 +193,7 @@ mod tests {
     /// The least margin of all paths that visit no node twice.
     fn by_all_paths(barrier: &Barrier<'_>, at: usize, worst: f64, seen: &mut Vec<bool>) -> f64 {
         let worst = worst.max(barrier.cost(at));
-        if barrier.surface.dry[at] {
+        if barrier.dry[at] {
             return worst;
         }
         seen[at] = true;
@@ -215,6 +217,7 @@ mod tests {
             let barrier = Barrier {
                 surface: &surface,
                 wet: &surface.sources,
+                dry: &surface.dry,
                 pressure: &pressure,
             };
             let path = barrier.path(&places).expect("the sides are joined");
@@ -238,6 +241,7 @@ mod tests {
         let barrier = Barrier {
             surface: &surface,
             wet: &surface.sources,
+            dry: &surface.dry,
             pressure: &vec![2.0; surface.nodes.len()],
         };
         let path = barrier.path(&places).expect("the sides are joined");
@@ -255,6 +259,7 @@ mod tests {
         let barrier = Barrier {
             surface: &surface,
             wet: &surface.sources,
+            dry: &surface.dry,
             pressure: &vec![f64::INFINITY; surface.nodes.len()],
         };
         assert_eq!(barrier.path(&places), None);

@@ -9,11 +9,12 @@
 //!
 //! psi the quadratic Bernstein functions: in W at least the pressure of the fluid, which follows the
 //! deformed surface, and l, the contact pressure, what obstacles press besides. W is consistent
-//! where every dry node beside a wet one is pressed by at least a threshold, by default q:
+//! where every dry node beside a wet one is pressed by at least a threshold, by default q, p the values
+//! of q w + l at the nodes:
 //!
 //! ```text
 //! flood:   every open node that open nodes join to W is in W
-//! advance: a dry node beside W is in W where l < threshold
+//! advance: where there is none, every node that nodes of p < threshold join to W is in W where p < threshold
 //! ```
 //!
 //! after each equilibrium, until nothing changes; W only grows, so that it takes at most as many

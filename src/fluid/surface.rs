@@ -85,10 +85,9 @@ impl FluidSurface {
         self.neighbours[own].iter().map(|&other| other as usize)
     }
 
-    /// The first wet node, by its place, that must stay dry or that `is_taken` by another fluid.
-    pub fn leak(&self, wet: &[bool], is_taken: impl Fn(u32) -> bool) -> Option<usize> {
-        let is_breach = |&place: &usize| self.dry[place] || is_taken(self.nodes[place]);
-        (0..wet.len()).filter(|&place| wet[place]).find(is_breach)
+    /// The first wet node, by its place, that must stay `dry`.
+    pub fn leak(wet: &[bool], dry: &[bool]) -> Option<usize> {
+        wet.iter().zip(dry).position(|(wet, dry)| *wet && *dry)
     }
 
     /// Values at its nodes of quadratic Bernstein functions with these coefficients: half of an edge's

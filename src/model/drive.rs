@@ -93,6 +93,12 @@ impl Drive {
             && self.fluids == other.fluids
     }
 
+    /// Whether the pressure of a fluid rises from that of `start` to its blow-off.
+    pub(crate) fn seeks_blow_off(&self, start: &Self) -> bool {
+        let mut ends = self.fluids.iter().zip(&start.fluids);
+        ends.any(|(end, start)| end.to_blow_off && end.pressure > start.pressure)
+    }
+
     /// The undeformed state.
     pub(crate) fn undeformed(plan: &Plan) -> Self {
         let supports = plan.problem.resolved.supports.len();

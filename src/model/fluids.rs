@@ -155,12 +155,31 @@ pub(crate) fn mean_contact(model: &Model<'_>, state: &State, index: usize) -> f6
     sum(contact) / sum(ones)
 }
 
+/// Nodes that fluid `index` must not reach: those that must stay dry, and those that another fluid wets
+/// `[nodes of the surface]`.
+pub(crate) fn barred(model: &Model<'_>, state: &State, index: usize) -> Vec<bool> {
+    let surfaces = &model.plan.problem.fluid_surfaces;
+    let own = &surfaces[index];
+    let mut barred = own.dry.clone();
+    let others = surfaces.iter().zip(&state.wet).enumerate();
+    for (_, (surface, wet)) in others.filter(|(other, _)| *other != index) {
+        for (node, _) in surface.nodes.iter().zip(wet).filter(|(_, wet)| **wet) {
+            if let Ok(place) = own.nodes.binary_search(node) {
+                barred[place] = true;
+            }
+        }
+    }
+    barred
+}
+
 /// What fluid `index` finds on its surface `[nodes of the surface]`, non-dimensional.
 pub(crate) struct Met {
     /// Coefficients of the contact pressure, what the fluid bears left out.
     pub(crate) contact: Vec<f64>,
     /// Pressure of contact and fluid together at the nodes.
     pub(crate) total: Vec<f64>,
+    /// Nodes that it must not reach.
+    pub(crate) dry: Vec<bool>,
 }
 
 impl Met {
@@ -172,7 +191,12 @@ impl Met {
         let pairs = contact.iter().zip(&state.wet[index]);
         let sums = pairs.map(|(contact, &wet)| contact + f64::from(wet) * fluid);
         let total = surface.values(&sums.collect::<Vec<_>>());
-        Self { contact, total }
+        let dry = barred(model, state, index);
+        Self {
+            contact,
+            total,
+            dry,
+        }
     }
 
     /// The front of fluid `index` there, under `drive`.
@@ -182,6 +206,7 @@ impl Met {
         let threshold = problem.resolved.fluids[index].threshold.unwrap_or(pressure);
         Front {
             surface: &problem.fluid_surfaces[index],
+            dry: &self.dry,
             contact: &self.contact,
             total: &self.total,
             threshold: threshold / problem.units.stress,

@@ -15,7 +15,7 @@ use crate::fluid::surface::FluidSurface;
 use crate::geometry::vector3::{norm, scale, sub};
 use crate::model::Model;
 use crate::model::ending::Ending;
-use crate::model::fluids::{coefficients_of, fluid_load};
+use crate::model::fluids::{barred, coefficients_of, fluid_load};
 use crate::model::open_gap;
 use crate::model::state::State;
 use crate::report::{FluidResult, LeakPathResult, Tightness};
@@ -87,6 +87,8 @@ fn scaled(mut values: Vec<f64>, factor: f64) -> Vec<f64> {
 struct One<'a> {
     surface: &'a FluidSurface,
     wet: &'a [bool],
+    /// Nodes that it must not reach.
+    dry: Vec<bool>,
     /// Of the fluid.
     pressure: f64,
     /// Obstacles, each with its contact pressure at the nodes.
@@ -124,6 +126,7 @@ impl<'a> One<'a> {
             places: places.map(|place| scale(length, place)).collect(),
             surface,
             wet,
+            dry: barred(model, state, index),
             pressure,
             contacts,
         }
@@ -149,6 +152,7 @@ impl<'a> One<'a> {
         let barrier = Barrier {
             surface: self.surface,
             wet: self.wet,
+            dry: &self.dry,
             pressure: &pressure,
         };
         barrier.path(&self.places).map(|path| self.result(&path))

@@ -14,7 +14,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("comparisons", 92, 0),
     ("constants", 35, 0),
     ("contact", 4163, 18),
-    ("continuation", 1580, 29),
+    ("continuation", 1620, 30),
     ("diagnosis", 554, 10),
     ("element", 735, 2),
     ("fluid", 649, 0),

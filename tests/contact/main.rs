@@ -9,6 +9,7 @@ mod contact_space;
 mod critical_pressure;
 mod families;
 mod fluid_flow;
+mod fluid_meetings;
 mod fluids;
 mod fluids_by_symmetry;
 mod grids;

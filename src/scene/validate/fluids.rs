@@ -21,7 +21,41 @@ pub(crate) fn resolve(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Re
     names::check_unique(faults, "fluid", all);
     refuse(scene, faults);
     let fluids = scene.fluids.iter().take(MOST_FLUIDS);
-    fluids.map(|fluid| one(fluid, mesh, faults)).collect()
+    let all: Vec<ResolvedFluid> = fluids.map(|fluid| one(fluid, mesh, faults)).collect();
+    apart(mesh, &all, faults);
+    all
+}
+
+/// Fluids that begin at one place have leaked into each other before anything moves.
+fn apart(mesh: &Mesh, all: &[ResolvedFluid], faults: &mut Faults) {
+    let sources: Vec<Vec<u32>> = all.iter().map(|one| vertices(mesh, &one.from)).collect();
+    for (k, one) in all.iter().enumerate() {
+        let mut earlier = all.iter().zip(&sources).take(k);
+        let met = earlier.find_map(|(other, own)| Some((other, shared(own, &sources[k])?)));
+        if let Some((other, vertex)) = met {
+            let vertex = mesh.used_vertices()[vertex as usize];
+            let message = format!(
+                "meets `from` of fluid `{}` at vertex {vertex}: leave facets between them",
+                other.name
+            );
+            faults.add(format!("fluid.{}.from", one.name), message);
+        }
+    }
+}
+
+/// Vertices of facets, ascending.
+fn vertices(mesh: &Mesh, facets: &[u32]) -> Vec<u32> {
+    let corners = facets.iter().flat_map(|&facet| mesh.facet(facet as usize));
+    let mut vertices: Vec<u32> = corners.copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
+}
+
+/// The first vertex of one that is among the other, both ascending.
+fn shared(one: &[u32], other: &[u32]) -> Option<u32> {
+    let mut common = one.iter().copied();
+    common.find(|vertex| other.binary_search(vertex).is_ok())
 }
 
 /// Refuses scenes that no fluid surrounds.
@@ -104,20 +138,8 @@ fn values(fluid: &Fluid, path: &str, faults: &mut Faults) {
 /// What is wet, what shall stay dry and the surface between them belong together.
 fn surfaces(mesh: &Mesh, facets: [&[u32]; 3], path: &str, faults: &mut Faults) {
     let [all, from, dry] = facets;
-    let vertices = |facets: &[u32]| {
-        let corners = facets.iter().flat_map(|&facet| mesh.facet(facet as usize));
-        let mut vertices: Vec<u32> = corners.copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        vertices
-    };
-    let [all, from, dry] = [all, from, dry].map(vertices);
+    let [all, from, dry] = [all, from, dry].map(|facets| vertices(mesh, facets));
     let key = format!("{path}.dry");
-    let shared = |one: &[u32], other: &[u32]| {
-        one.iter()
-            .copied()
-            .find(|vertex| other.binary_search(vertex).is_ok())
-    };
     if let Some(vertex) = shared(&dry, &from) {
         let vertex = mesh.used_vertices()[vertex as usize];
         let message = format!(

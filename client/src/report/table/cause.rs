@@ -57,8 +57,9 @@ pub(crate) fn cause(cause: Cause) -> Option<&'static str> {
              round the corner that presses"
         }
         Cause::Leaks => {
-            "a fluid reaches what must stay dry: fluids.NAME.blow_off says at which pressure; close \
-             the seal before the pressure rises, or ask for `to blow-off`"
+            "a fluid reaches what must stay dry: fluids.NAME.blow_off says at which pressure; where \
+             that rises ask for `to blow-off`, or squeeze more; where a part moves it has opened \
+             the seal"
         }
         Cause::ServerTimeLimit => {
             "the step took as long as any step may on this server (maximum_step_seconds): give it \
