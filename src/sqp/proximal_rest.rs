@@ -25,8 +25,9 @@ constants! {
     const FIRST_WEIGHT: f64 = 2e-2;
     /// Steps at most.
     const MOST_STEPS: u32 = 40;
-    /// Failures one after the other that end the flow.
-    const MOST_FAILURES: u32 = 3;
+    /// Failures one after the other that end the flow: each makes t heavier, and the first step of a block that
+    /// all of friction does not hold takes four.
+    const MOST_FAILURES: u32 = 5;
     /// Change of t after a step that was not solved.
     const HEAVIER: f64 = 8.0;
     /// Change of t after a step that hardly changes the force of the flow.
