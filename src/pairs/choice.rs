@@ -34,7 +34,7 @@ pub struct Partner {
 /// How far partners are looked for along the rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
-    /// Largest gap of a face's nearest piece; its other pieces may be [`WIDE`] times as far.
+    /// Largest gap of a face's nearest piece; its other pieces may be `WIDE` times as far.
     pub open: f64,
     /// Largest penetration.
     pub inside: f64,
