@@ -165,12 +165,27 @@ async fn abandon(server: &Server, name: &str) -> bool {
     }
 }
 
+/// A session, as soon as what the sessions before it prepare leaves a place in the queue.
+async fn opened(server: &Server, block: &Block) -> String {
+    loop {
+        let request = wire::CreateSessionRequest {
+            scene: Some(block.scene()),
+            ..Default::default()
+        };
+        match server.sessions().create_session(request).await {
+            Ok(response) => return response.into_inner().session.unwrap().name,
+            Err(status) => assert_eq!(status.code(), tonic::Code::ResourceExhausted),
+        }
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    }
+}
+
 /// Sessions of one connection, before anything runs.
 async fn sessions(server: &Server, block: &Block, count: usize) -> Vec<String> {
     server.upload(block).await;
     let mut names = Vec::new();
     for _ in 0..count {
-        names.push(server.session(block.scene()).await);
+        names.push(opened(server, block).await);
     }
     names
 }
