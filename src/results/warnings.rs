@@ -5,6 +5,7 @@
 //! | missed contact | distances between the points of the contact integrals, on faces without pressure, depths of cells beside all faces, of vertices that supports hold, and between the nodes of pressed faces |
 //! | untouched obstacle | no pressure, and the obstacle no farther than before |
 //! | contact that presses nowhere | no pressure between two bodies |
+//! | bridged gap | how far the undeformed surfaces of a tie are apart |
 //! | pushed out | no equilibrium at the upper end of a blow-off |
 //! | passed through | no pressure, and cells inside the obstacle; poses on the way at which it is inside, of one that presses deeper than one that slides |
 //! | begins inside | distances before the first increment |
@@ -20,6 +21,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::geometry::vector3::{norm, sub};
 use crate::model::Model;
 use crate::model::ending::Ending;
 use crate::model::interfaces::Interface;
@@ -44,6 +46,8 @@ const ENOUGH: usize = 4;
 const INSIDE: f64 = 1e-3;
 /// Sagitta of facets over the squeeze that is worth a word.
 const COARSE_FACETS: f64 = 0.05;
+/// Gap of a tie over the length of its facets that is worth a word.
+const BRIDGED: f64 = 0.01;
 /// Rounding of strains over the largest strain that is worth a word.
 const LOST: f64 = 1e-6;
 /// What residuals leave of the displacements over the largest strain that is too much.
@@ -80,6 +84,7 @@ pub(crate) fn warnings(
         all.extend(coarse(model, state, touch));
     }
     all.extend(apart(model, state));
+    all.extend(bridged(model));
     all.extend(pushed_out(model, ending));
     of_the_body(model, state, ending, &mut all);
     all
@@ -102,6 +107,38 @@ fn apart<'m>(model: &'m Model<'_>, state: &'m State) -> impl Iterator<Item = War
             format!("contact `{name}` presses nowhere: its surfaces are apart, or farther from or inside each other than the reach, a quarter of the extent of the smaller one"),
         )
     })
+}
+
+/// Ties across gaps, or overlaps, that are wide beside their facets.
+fn bridged<'m>(model: &'m Model<'_>) -> impl Iterator<Item = Warning> + 'm {
+    let units = &model.plan.problem.units;
+    let ties = model.plan.problem.ties.iter();
+    ties.filter_map(move |tie| {
+        let (gap, name) = (tie.seam.gap?.width, &tie.pair.name);
+        let mut interfaces = model.interfaces.list.iter();
+        let own = interfaces.find(|one| one.tie().is_some() && one.name == *name)?;
+        let faces = own.surface.faces.iter();
+        let lengths: Vec<f64> = faces.map(|face| edge(model, &face.corners)).collect();
+        let share = gap * lengths.len() as f64 / lengths.iter().sum::<f64>();
+        (share > BRIDGED).then(|| {
+            let width = gap * units.coordinate_scale * units.length;
+            Warning::new(
+                WarningKind::CoarseFacets,
+                name,
+                Some(width),
+                format!("tie `{name}` bridges a gap or overlap of {}, {:.0} % of a facet: one per cent costs about one of its force, ten a quarter; bring its surfaces together, or mesh curved ones finer or of second order", digits(width), 100.0 * share),
+            )
+        })
+    })
+}
+
+/// Length of the first edge of a face, in the mesh's lengths.
+fn edge(model: &Model<'_>, corners: &[u32]) -> f64 {
+    let places = model.mesh.coordinates();
+    match corners {
+        [a, b, ..] => norm(sub(places[*a as usize], places[*b as usize])),
+        _ => 0.0,
+    }
 }
 
 /// A fluid whose blow-off leaves the body without an equilibrium.
