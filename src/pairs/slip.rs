@@ -25,7 +25,7 @@ use crate::parallel;
 
 /// The coordinates of a piece and the place on the other face.
 const WITH_PLACE: usize = INPUTS + 1;
-/// Fewer pieces are not worth a second thread.
+/// Fewer pieces are not worth a second thread; chosen.
 const FEW: usize = 4;
 /// First of the three nodes of the other face.
 const OTHER: usize = 7;

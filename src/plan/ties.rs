@@ -23,7 +23,7 @@ use crate::ties::{Lost, Seam, Sides, layout_of};
 /// Share of the carrier, and of the other surface, that may have no partner unsaid: facets in the
 /// place of curved surfaces are not equally large.
 const UNSAID: [f64; 2] = [0.01, 0.1];
-/// Pairs of vertices that are looked at to say how far surfaces are apart.
+/// Pairs of vertices that are looked at, at most, to say how far surfaces are apart; chosen.
 const MOST_LOOKED_AT: usize = 10_000_000;
 
 /// A tie with its carrier chosen.

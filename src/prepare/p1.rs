@@ -27,7 +27,8 @@ use crate::scene::P1Solver;
 /// Shift of A11 for floating bodies, in mu / L^2.
 const SHIFT: f64 = 1e-2;
 /// That for bodies which ties hold: turned under the tractions of a tie such a body loses energy, up to
-/// some mu, and an inverse that is far above finds no way back.
+/// some mu, and an inverse that is far above finds no way back. In mu / L^2: 224 applications for 367 with 1e-2, of a
+/// bush in tubes 1e5 times as stiff.
 const SHIFT_OF_TIED: f64 = 1.0;
 
 /// A solver of the P1 block and what came with it.

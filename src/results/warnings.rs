@@ -46,7 +46,8 @@ const ENOUGH: usize = 4;
 const INSIDE: f64 = 1e-3;
 /// Sagitta of facets over the squeeze that is worth a word.
 const COARSE_FACETS: f64 = 0.05;
-/// Gap of a tie over the length of its facets that is worth a word.
+/// Gap of a tie over the length of its facets that is worth a word, without unit: flat blocks lose .6 % of their
+/// force at .01, 1.6 at .02, 7 at .05, 23 at .1.
 const BRIDGED: f64 = 0.01;
 /// Rounding of strains over the largest strain that is worth a word.
 const LOST: f64 = 1e-6;

@@ -1,18 +1,20 @@
 //! The examples of several bodies: forces in balance, what is told of contact and ties, and the files.
 
+use std::path::PathBuf;
+
 use serde_json::Value;
 
 use crate::common::schema::{fault, result_lines};
-use crate::common::{example, folder, run};
+use crate::common::{Run, example, folder, run};
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| unreachable!("{value}"))
 }
 
-#[test]
-fn two_rollers_flatten_against_each_other_and_the_files_say_how_far() {
-    let folder = folder("rollers");
-    let scene = example("rollers.toml");
+/// An example that is solved, its lines as the schema has them, and the folder of its files.
+fn solved(name: &str) -> (Run, PathBuf) {
+    let folder = folder(name);
+    let scene = example(&format!("{name}.toml"));
     let out = ["--out", folder.to_str().unwrap()];
     let arguments = ["solve", scene.to_str().unwrap(), "--json"];
     let run = run(arguments.into_iter().chain(out));
@@ -21,6 +23,12 @@ fn two_rollers_flatten_against_each_other_and_the_files_say_how_far() {
     for line in run.lines() {
         assert_eq!(fault(&schema, &line), None, "{line}");
     }
+    (run, folder)
+}
+
+#[test]
+fn two_rollers_flatten_against_each_other_and_the_files_say_how_far() {
+    let (run, folder) = solved("rollers");
     let steps = run.events("step");
     let last = steps.last().unwrap();
     let nip = &last["contacts"]["nip"];
@@ -55,16 +63,7 @@ fn two_rollers_flatten_against_each_other_and_the_files_say_how_far() {
 
 #[test]
 fn a_bush_is_tied_to_its_tubes_and_the_files_say_what_the_ties_carry() {
-    let folder = folder("sleeved-bush");
-    let scene = example("sleeved-bush.toml");
-    let out = ["--out", folder.to_str().unwrap()];
-    let arguments = ["solve", scene.to_str().unwrap(), "--json"];
-    let run = run(arguments.into_iter().chain(out));
-    assert_eq!(run.code, Some(0), "{}", run.stderr);
-    let schema = result_lines();
-    for line in run.lines() {
-        assert_eq!(fault(&schema, &line), None, "{line}");
-    }
+    let (run, folder) = solved("sleeved-bush");
     let steps = run.events("step");
     for step in &steps {
         assert_eq!(step["termination"], "converged");

@@ -10,7 +10,7 @@ use super::{Faults, Placed, ResolvedFluid, ResolvedPair, names, parts};
 use crate::mesh::Mesh;
 use crate::scene::{MaterialModel, Obstacle, Scene, Tie};
 
-/// Ties of a scene at most.
+/// Ties of a scene at most; chosen, scenes have a few.
 const MOST_TIES: usize = 256;
 
 /// What the facets of a scene meet besides.
