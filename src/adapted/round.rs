@@ -74,6 +74,11 @@ pub enum End {
         /// What is allowed.
         most: u64,
     },
+    /// There is no room for the next mesh beside what others hold.
+    NoRoom {
+        /// Bytes that it would take.
+        needed: u64,
+    },
     /// The next mesh would take more time than is left.
     Time {
         /// Seconds allowed.
@@ -107,6 +112,7 @@ impl End {
             Self::Reached => "reached",
             Self::Unknowns { .. } => "max_unknowns",
             Self::Memory { .. } => "max_memory",
+            Self::NoRoom { .. } => "no_room",
             Self::Time { .. } => "max_time",
             Self::Rounds(_) => "max_rounds",
             Self::Facets { .. } => "facets",
@@ -134,6 +140,10 @@ impl fmt::Display for End {
             Self::Memory { needed, most } => write!(
                 out,
                 "the next mesh would take {needed} bytes, and {most} are allowed"
+            ),
+            Self::NoRoom { needed } => write!(
+                out,
+                "the next mesh would take {needed} bytes, for which there is no room now"
             ),
             Self::Time { most } => write!(
                 out,

@@ -11,7 +11,7 @@ use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::prepare::Prepared;
 use crate::refinement::{Hierarchy, Limits, Refined, RefinementError};
-use crate::report::{CancelToken, GoalReport, Silent, StepReport, Termination};
+use crate::report::{CancelToken, GoalReport, Observer, StepReport, Termination};
 use crate::scene::{Scene, Step, SurfaceGeometry};
 use crate::session::{Reuse, Session};
 
@@ -30,6 +30,11 @@ pub struct Problem<'a> {
 pub struct Watch<'a> {
     /// Called with each mesh when its goals are known.
     pub rounds: &'a mut dyn FnMut(&Round),
+    /// Told of the iterations on all meshes.
+    pub observer: &'a mut dyn Observer,
+    /// Asked for the bytes that the present mesh and a finer one are predicted to take, before the
+    /// finer one is prepared; the loop ends where there is no room.
+    pub room: &'a mut dyn FnMut(u64) -> bool,
     /// Polled by all parts.
     pub cancel: &'a CancelToken,
 }
@@ -58,12 +63,12 @@ pub struct Adapted {
 pub fn adapt(
     problem: Problem<'_>,
     accuracy: &Accuracy,
-    watch: Watch<'_>,
+    mut watch: Watch<'_>,
 ) -> Result<Adapted, AdaptionError> {
     check(problem, accuracy)?;
     let mut judge = Judge::new(accuracy);
     let started = Instant::now();
-    let mut present = first(problem, watch.cancel)?;
+    let mut present = first(problem, &mut watch)?;
     let mut rounds: Vec<Round> = Vec::new();
     loop {
         let answers = present.answers(accuracy, watch.cancel)?;
@@ -80,7 +85,7 @@ pub fn adapt(
                     rounds: &rounds,
                     started,
                 };
-                present.finer(&marked, &left, watch.cancel)?
+                present.finer(&marked, &left, &mut watch)?
             }
         };
         match next {
@@ -118,6 +123,8 @@ struct Present {
     hierarchy: Hierarchy,
     session: Session,
     unknowns: u64,
+    /// Predicted for a step.
+    bytes: u64,
     started: Instant,
 }
 
@@ -129,14 +136,14 @@ struct Left<'a> {
 }
 
 /// All steps on the first mesh.
-fn first(problem: Problem<'_>, cancel: &CancelToken) -> Result<Present, AdaptionError> {
+fn first(problem: Problem<'_>, watch: &mut Watch<'_>) -> Result<Present, AdaptionError> {
     let started = Instant::now();
     let plan = Arc::new(Plan::new(problem.scene, problem.steps, problem.mesh)?);
-    let prepared = Arc::new(Prepared::build(&plan, problem.mesh, cancel)?);
+    let prepared = Arc::new(Prepared::build(&plan, problem.mesh, watch.cancel)?);
     let mesh = plan.body_mesh(problem.mesh);
     let mut session = Session::new(plan.clone(), problem.mesh.clone(), prepared, Reuse::Built);
     for step in problem.steps {
-        let last = take(&mut session, step, cancel)?;
+        let last = take(&mut session, step, watch)?;
         if last.termination != Termination::Converged {
             return Err(AdaptionError::NotConverged {
                 step: last.step,
@@ -149,6 +156,7 @@ fn first(problem: Problem<'_>, cancel: &CancelToken) -> Result<Present, Adaption
         hierarchy: Hierarchy::new(mesh),
         session,
         unknowns: unknowns(&plan),
+        bytes: plan.first_bytes(),
         started,
     })
 }
@@ -171,11 +179,11 @@ fn unknowns(plan: &Plan) -> u64 {
 fn take(
     session: &mut Session,
     step: &Step,
-    cancel: &CancelToken,
+    watch: &mut Watch<'_>,
 ) -> Result<StepReport, AdaptionError> {
     let mut run = session.begin_step(step)?;
     let mut last = StepReport::default();
-    while let Some(report) = session.advance(&mut run, &mut Silent, cancel) {
+    while let Some(report) = session.advance(&mut run, watch.observer, watch.cancel) {
         if report.termination == Termination::Cancelled {
             return Err(AdaptionError::Stopped(report.termination));
         }
@@ -209,7 +217,7 @@ impl Present {
         &mut self,
         marked: &[u32],
         left: &Left<'_>,
-        cancel: &CancelToken,
+        watch: &mut Watch<'_>,
     ) -> Result<Result<Self, End>, AdaptionError> {
         let started = Instant::now();
         if let Some(end) = left.over() {
@@ -224,9 +232,13 @@ impl Present {
         if let Some(end) = left.too_large(&plan) {
             return Ok(Err(end));
         }
-        let mut finer = self.carried(Arc::new(plan), refined, (started, cancel))?;
+        let needed = plan.first_bytes();
+        if !(watch.room)(self.bytes.saturating_add(needed)) {
+            return Ok(Err(End::NoRoom { needed }));
+        }
+        let mut finer = self.carried(Arc::new(plan), refined, (started, watch.cancel))?;
         // What drives the body stays as it is.
-        let ending = take(&mut finer.session, &Step::default(), cancel)?.termination;
+        let ending = take(&mut finer.session, &Step::default(), watch)?.termination;
         Ok(if ending == Termination::Converged {
             Ok(finer)
         } else {
@@ -244,13 +256,14 @@ impl Present {
         let mesh = refined.hierarchy.mesh().clone();
         let prepared = Arc::new(Prepared::build(&plan, &mesh, cancel)?);
         let over = (mesh, &refined.lineage);
-        let unknowns = unknowns(&plan);
+        let (unknowns, bytes) = (unknowns(&plan), plan.first_bytes());
         let session = self.session.refined(plan, over, (prepared, Reuse::Built))?;
         Ok(Self {
             scene: self.scene.clone(),
             hierarchy: refined.hierarchy,
             session,
             unknowns,
+            bytes,
             started,
         })
     }

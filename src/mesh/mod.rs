@@ -13,6 +13,7 @@
 //! O(n log(valence)) time; building holds little more than the mesh itself, since
 //! uploaded arrays are renumbered in place and temporaries make way for results.
 
+mod anew;
 mod bits;
 mod buckets;
 pub mod cell;

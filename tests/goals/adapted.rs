@@ -10,6 +10,7 @@ use crate::common::{close, run};
 use signorini::adapted::{
     Accuracy, AccuracyLimits, Adapted, AdaptionError, End, Problem, Round, Target, Watch, adapt,
 };
+use signorini::report::Silent;
 use signorini::scene::{Shape, SurfaceGeometry};
 use signorini::{CancelToken, Mesh, Scene, Step};
 
@@ -78,6 +79,8 @@ impl Pressed {
         };
         let watch = Watch {
             rounds: &mut |_| (),
+            observer: &mut Silent,
+            room: &mut |_| true,
             cancel: &CancelToken::new(),
         };
         adapt(problem, &accuracy, watch)

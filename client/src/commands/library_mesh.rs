@@ -1,7 +1,5 @@
 //! Meshes of files as the solver's library has them, and back.
 
-use std::collections::BTreeSet;
-
 use signorini::mesh::{CellKind, EdgeOffset, Group, GroupKind, Mesh, MeshParts};
 use signorini_client::formats::msh::{CurvedEdge, MeshFile, MeshGroup};
 
@@ -41,36 +39,26 @@ pub(super) fn mesh(file: &MeshFile) -> Result<Mesh, Failure> {
 /// A mesh of the library as that of a file: edges inside the body are lines.
 pub(super) fn mesh_file(mesh: &Mesh) -> MeshFile {
     let dimension = mesh.cell_kind().dimension();
-    let group = |group: &Group| MeshGroup {
-        name: group.name.clone(),
+    let group = |group: Group| MeshGroup {
+        name: group.name,
         dimension: match group.kind {
             GroupKind::Cells => dimension,
             GroupKind::Facets => dimension - 1,
         },
-        members: group.members.clone(),
+        members: group.members,
     };
-    let surface: BTreeSet<[u32; 2]> = mesh
-        .boundary_facets()
-        .iter()
-        .flat_map(|facet| {
-            let [a, b, c] = facet.vertices;
-            [(a, b), (b, c), (a, c)].map(|(a, b)| [a.min(b), a.max(b)])
-        })
-        .collect();
-    let curved = mesh.edge_offsets().iter();
-    let curved = curved.filter(|one| surface.contains(&one.ends));
+    let curved = |one: EdgeOffset| CurvedEdge {
+        ends: one.ends,
+        offset: one.offset,
+    };
+    let (parts, offsets) = mesh.arrays();
     MeshFile {
-        vertices_per_cell: mesh.cell_kind().vertices(),
-        coordinates: mesh.coordinates().to_vec(),
-        cells: mesh.cells().to_vec(),
-        facets: mesh.facets().to_vec(),
-        groups: mesh.groups().iter().map(group).collect(),
-        curved: curved
-            .map(|one| CurvedEdge {
-                ends: one.ends,
-                offset: one.offset,
-            })
-            .collect(),
+        vertices_per_cell: parts.cell_kind.vertices(),
+        coordinates: parts.coordinates,
+        cells: parts.cells,
+        facets: parts.facets,
+        groups: parts.groups.into_iter().map(group).collect(),
+        curved: offsets.into_iter().map(curved).collect(),
         warnings: Vec::new(),
     }
 }
