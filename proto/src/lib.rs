@@ -1,8 +1,8 @@
 //! The wire format of the Signorini service: generated messages and services,
-//! the codec of bulk arrays, the digest that names a mesh, and the words of enum
-//! values.
+//! the codec of bulk arrays, the digest that names a mesh, the words of enum
+//! values, and the axis of an obstacle's motion.
 //!
-//! No logic lives here. Scenes and reports are plain messages; arrays travel as
+//! No other logic lives here. Scenes and reports are plain messages; arrays travel as
 //! little-endian, row-major bytes (see [`mod@array`]). The features `client` and
 //! `server` add the two sides of the services to [`v1`], the feature `serde` lets
 //! reports and plans be written as JSON.
@@ -21,6 +21,7 @@ pub mod array;
 pub mod digest;
 #[cfg(feature = "serde")]
 mod serialised;
+pub mod travel;
 pub mod words;
 
 /// Messages and services of the package `signorini.v1`; documented in the

@@ -29,7 +29,8 @@ const SERVER: &[Room] = &[
     (
         "registry",
         &[
-            "config", "convert", "door", "fault", "fleet", "journal", "session", "uploads", "watch",
+            "compute", "config", "convert", "door", "fault", "fleet", "journal", "process",
+            "session", "uploads", "watch",
         ],
     ),
     (

@@ -10,6 +10,7 @@ mod grid;
 pub(crate) mod local;
 mod material;
 pub(crate) mod mesh;
+pub(crate) mod refinement;
 pub(crate) mod report;
 pub(crate) mod scene;
 pub(crate) mod shape;

@@ -1,5 +1,6 @@
 //! The scene message into the library's scene.
 
+mod accuracy;
 mod boundary;
 mod fluid;
 mod questions;
@@ -16,6 +17,7 @@ use super::values::values;
 use super::{Faults, MOST_FAULTS, field, material, mesh, named, step};
 use crate::config::Compared;
 use crate::fault::Fault;
+pub(crate) use accuracy::take_accuracy;
 use boundary::{contact, obstacle, pressure, support, tie, traction};
 use fluid::fluid;
 use questions::questions;
@@ -100,6 +102,9 @@ pub(crate) fn scene(
     faults.refuse()?;
     unit_names(message.units.as_ref(), &mut faults);
     let output = output(message.output.as_ref(), &mut faults);
+    if let Some(asked) = &message.accuracy {
+        accuracy::of_session(asked, &mut faults);
+    }
     let steps = steps(message.steps.iter(), &mut faults);
     let scene = body(message, surfaces, &mut faults);
     let misnamed = std::mem::take(&mut faults.misnamed);

@@ -28,6 +28,9 @@ pub(crate) enum Fault {
     MeshNotFound(String),
     #[error("`{name}` is used by {sessions} sessions")]
     MeshInUse { name: String, sessions: usize },
+    /// The steps do not converge on the mesh of the scene, or it cannot be refined.
+    #[error("{0}")]
+    RefinementFailed(String),
     #[error("surface: {0}")]
     SurfaceInvalid(String),
     #[error("no surface `{0}`; upload it first")]

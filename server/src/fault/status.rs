@@ -40,7 +40,7 @@ pub(crate) fn reason(fault: &Fault) -> &'static str {
 }
 
 /// Every reason, in the order of the faults.
-pub(crate) const REASONS: [&str; 39] = [
+pub(crate) const REASONS: [&str; 40] = [
     "SCENE_INVALID",
     "UNSUPPORTED_COMBINATION",
     "REQUEST_INVALID",
@@ -48,6 +48,7 @@ pub(crate) const REASONS: [&str; 39] = [
     "MESH_DIGEST_MISMATCH",
     "MESH_NOT_FOUND",
     "MESH_IN_USE",
+    "REFINEMENT_FAILED",
     "SURFACE_INVALID",
     "SURFACE_NOT_FOUND",
     "SURFACE_IN_USE",
@@ -121,6 +122,7 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::DigestMismatch { .. } => (Code::InvalidArgument, "MESH_DIGEST_MISMATCH"),
         Fault::MeshNotFound(_) => (Code::NotFound, "MESH_NOT_FOUND"),
         Fault::MeshInUse { .. } => (Code::FailedPrecondition, "MESH_IN_USE"),
+        Fault::RefinementFailed(_) => (Code::Aborted, "REFINEMENT_FAILED"),
         Fault::SurfaceInvalid(_) => (Code::InvalidArgument, "SURFACE_INVALID"),
         Fault::SurfaceNotFound(_) => (Code::NotFound, "SURFACE_NOT_FOUND"),
         Fault::SurfaceInUse(_) => (Code::FailedPrecondition, "SURFACE_IN_USE"),

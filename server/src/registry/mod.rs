@@ -6,6 +6,7 @@
 //! | `claim`, `names` | a name until its session exists |
 //! | `asking` | sessions that other servers of a fleet hold |
 //! | `planning` | from a scene to mesh, tools, plan and memory of a session |
+//! | `refining` | meshes that are refined until goals are known well enough |
 //! | `wake` | a session out of the data folder |
 
 mod asking;
@@ -13,6 +14,7 @@ mod claim;
 mod directory;
 mod names;
 pub(crate) mod planning;
+pub(crate) mod refining;
 mod wake;
 
 use std::collections::HashSet;

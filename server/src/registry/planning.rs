@@ -1,5 +1,6 @@
 //! From a scene to what a session starts with: mesh, tools, plan and memory.
 
+pub(crate) mod meshes;
 pub(crate) mod tools;
 
 use std::sync::{Arc, Mutex};

@@ -7,20 +7,23 @@ use std::sync::Arc;
 use prost::Message as _;
 use signorini::mesh::{Mesh, MeshId};
 use signorini_proto::v1::{self as wire, mesh_service_server::MeshService, upload_mesh_request};
+use tokio_stream::wrappers::ReceiverStream;
 use tonic::codegen::BoxStream;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::paced::paced;
-use super::{page_size, respond};
+use super::{page_size, respond, streams};
 use crate::convert::mesh::{self as convert, Header, Upload};
 use crate::door::access::{Caller, Owners};
 use crate::door::client_key::{ClientIdentity, ClientKey};
 use crate::fault::Fault;
-use crate::journal::{Change, Journal};
+use crate::journal::Change;
 use crate::registry::Registry;
+use crate::registry::planning::meshes::{self, Presence};
 use crate::registry::planning::{self, aside};
+use crate::registry::refining::Asker;
 use crate::session::Services;
-use crate::uploads::store::{Lease, Reservation};
+use crate::uploads::store::Lease;
 use taken::{Taken, next};
 
 /// Encoded size that ends a page of meshes.
@@ -35,6 +38,7 @@ pub(crate) struct Meshes {
 #[tonic::async_trait]
 impl MeshService for Meshes {
     type ReadMeshStream = BoxStream<wire::ReadMeshResponse>;
+    type RefineMeshStream = ReceiverStream<Result<wire::RefineMeshResponse, Status>>;
 
     #[tracing::instrument(skip_all)]
     async fn upload_mesh(
@@ -54,7 +58,7 @@ impl MeshService for Meshes {
         respond(&self.registry, async {
             let id = convert::id_from_name(&request.into_inner().name, "name")?;
             let found = planning::mesh_for(&self.services, id, &caller).await?;
-            let mesh = Some(self.describe(found)?);
+            let mesh = Some(meshes::describe(&self.services, found)?);
             Ok(wire::GetMeshResponse { mesh })
         })
         .await
@@ -100,6 +104,19 @@ impl MeshService for Meshes {
         })
         .await
     }
+
+    async fn refine_mesh(
+        &self,
+        request: Request<wire::RefineMeshRequest>,
+    ) -> Result<Response<Self::RefineMeshStream>, Status> {
+        let asker = Asker {
+            caller: Caller::of(&request),
+            client: ClientKey::of(&request),
+        };
+        let request = request.into_inner();
+        let told = streams::open_refine(&self.registry, &self.services, request, asker);
+        Ok(Response::new(ReceiverStream::new(told)))
+    }
 }
 
 impl Meshes {
@@ -136,32 +153,14 @@ impl Meshes {
             }
         }
         let journal = self.services.journal.clone();
-        let mesh = aside(move || build(upload, id, journal.as_deref())).await??;
+        let mesh = aside(move || {
+            let arrays = upload.finish()?;
+            meshes::made(arrays, id, journal.as_deref())
+        });
+        let mesh = mesh.await??;
         caller.note(&convert::name(mesh.id()));
-        if let Some(found) = planning::known_mesh(&self.services, mesh.id()).await? {
-            let presence = self.join(&found, &caller).await?;
-            return self.uploaded(found, presence);
-        }
-        let owners = Owners::of(&caller);
-        let _excess = self.reserve_excess(&mesh, taken.bytes())?;
-        // On disk before anybody finds it.
-        if let Some(journal) = &self.services.journal {
-            planning::store_mesh(journal, &mesh, &owners).await?;
-        }
-        let found = self.services.store.insert_mesh(mesh, owners);
-        self.uploaded(found, Presence::New)
-    }
-
-    /// Counts one more in who has sent a mesh that is there: new to that one, whoever had it.
-    async fn join(&self, found: &Lease<Mesh>, caller: &Caller) -> Result<Presence, Fault> {
-        let mesh = found.value();
-        let Some(owners) = self.services.store.join(mesh.id(), caller) else {
-            return Ok(Presence::Before);
-        };
-        if let Some(journal) = &self.services.journal {
-            planning::store_mesh(journal, mesh, &owners).await?;
-        }
-        Ok(Presence::New)
+        let kept = meshes::keep(&self.services, mesh, (&caller, taken.bytes())).await?;
+        self.uploaded(kept.0, kept.1)
     }
 
     /// Drops a mesh that no session uses, awake or not, from memory and disk; for a client
@@ -190,33 +189,15 @@ impl Meshes {
         aside(drop).await?.map_err(planning::unwritable)
     }
 
-    /// Takes what a mesh needs beyond its prediction, if anything.
-    fn reserve_excess(&self, mesh: &Mesh, taken: u64) -> Result<Option<Reservation>, Fault> {
-        match mesh.bytes().saturating_sub(taken) {
-            0 => Ok(None),
-            excess => self.services.store.reserve(excess).map(Some),
-        }
-    }
-
     fn uploaded(
         &self,
         mesh: Lease<Mesh>,
         presence: Presence,
     ) -> Result<wire::UploadMeshResponse, Fault> {
         Ok(wire::UploadMeshResponse {
-            mesh: Some(self.describe(mesh)?),
+            mesh: Some(meshes::describe(&self.services, mesh)?),
             already_present: presence == Presence::Before,
         })
-    }
-
-    /// Takes the lease, which would count as a session otherwise.
-    fn describe(&self, lease: Lease<Mesh>) -> Result<wire::StoredMesh, Fault> {
-        let mesh = Arc::clone(lease.value());
-        drop(lease);
-        Ok(convert::mesh(
-            &mesh,
-            &self.services.store.mesh_use(mesh.id())?,
-        ))
     }
 
     async fn list(
@@ -275,37 +256,4 @@ impl Meshes {
         found.truncate(size);
         Ok(found)
     }
-}
-
-/// Whether an uploaded mesh was stored before.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Presence {
-    Before,
-    New,
-}
-
-/// The mesh of an upload, its file on the disk where there is a data folder.
-fn build(
-    upload: Upload,
-    declared: Option<MeshId>,
-    journal: Option<&Journal>,
-) -> Result<Mesh, Fault> {
-    let invalid = |error: signorini::MeshError| Fault::MeshInvalid(error.to_string());
-    let (parts, offsets) = upload.finish()?;
-    let write =
-        |journal: &Journal| journal.write_mesh(|put| convert::to_file(&parts, &offsets, put));
-    let part = journal.map(write).transpose();
-    let part = part.map_err(planning::unwritable)?;
-    let mesh = Mesh::second_order(parts, offsets).map_err(invalid)?;
-    if let Some(declared) = declared.filter(|declared| *declared != mesh.id()) {
-        return Err(Fault::DigestMismatch {
-            declared: declared.to_string(),
-            computed: mesh.id().to_string(),
-        });
-    }
-    if let (Some(journal), Some(part)) = (journal, part) {
-        let kept = journal.keep_mesh(part, mesh.id());
-        kept.map_err(planning::unwritable)?;
-    }
-    Ok(mesh)
 }

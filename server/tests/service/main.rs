@@ -17,6 +17,7 @@ mod meshes;
 mod operation;
 mod quotas;
 mod raw;
+mod refine;
 mod request_id;
 mod sessions;
 mod slow;

@@ -19,15 +19,7 @@ pub(super) fn questions(
     for (index, gradient) in gradients.into_iter().enumerate() {
         all.push(of_gradient(&gradient, index, faults));
     }
-    let accuracy = accuracy.unwrap_or_default();
-    if let Some(target) = accuracy.targets.first() {
-        faults.later(
-            format!("accuracy.{}", target.goal),
-            "a session has one mesh: `signorini solve` refines it before it opens one; name the \
-             goal in accuracy.bound to have its error only",
-        );
-    }
-    let bounded = accuracy.bound;
+    let bounded = accuracy.unwrap_or_default().bound;
     if !bounded.is_empty() {
         all.push(GoalQuestions {
             goals: read(&bounded, "accuracy.bound", faults),
@@ -53,7 +45,11 @@ fn of_gradient(gradient: &wire::Gradient, index: usize, faults: &mut Faults) -> 
 }
 
 /// Those of the texts that are well formed; the others are faults.
-fn read<T: FromStr<Err = Malformed>>(texts: &[String], path: &str, faults: &mut Faults) -> Vec<T> {
+pub(super) fn read<T: FromStr<Err = Malformed>>(
+    texts: &[String],
+    path: &str,
+    faults: &mut Faults,
+) -> Vec<T> {
     let mut all = Vec::new();
     for text in texts {
         if text.len() > MAXIMUM_BYTES {
@@ -135,23 +131,5 @@ mod tests {
                 .message
                 .contains("`force.ball` is not of the form KIND.NAME.AXIS")
         );
-    }
-
-    #[test]
-    fn tolerances_are_refused_with_what_reaches_them() {
-        let mut faults = Faults::default();
-        let accuracy = wire::Accuracy {
-            targets: vec![wire::AccuracyTarget {
-                goal: "force.ball.y".into(),
-                tolerance: 0.01,
-            }],
-            ..Default::default()
-        };
-        questions(Vec::new(), Some(accuracy), &mut faults);
-        let Err(Fault::Unsupported(one)) = faults.outcome() else {
-            unreachable!("a later key");
-        };
-        assert_eq!(one.path, "accuracy.force.ball.y");
-        assert!(one.message.contains("`signorini solve`"));
     }
 }

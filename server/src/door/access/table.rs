@@ -27,7 +27,7 @@ const SOLVE: Need = Need::Role(Role::Solve);
 use Effect::{Changes, Looks};
 
 /// Every method that is served.
-pub(super) const TABLE: [Rule; 26] = [
+pub(super) const TABLE: [Rule; 27] = [
     ("/grpc.health.v1.Health/Check", NOTHING, Looks),
     ("/grpc.health.v1.Health/Watch", NOTHING, Looks),
     (
@@ -45,6 +45,7 @@ pub(super) const TABLE: [Rule; 26] = [
     ("/signorini.v1.MeshService/ListMeshes", READ, Looks),
     ("/signorini.v1.MeshService/ReadMesh", READ, Looks),
     ("/signorini.v1.MeshService/DeleteMesh", SOLVE, Changes),
+    ("/signorini.v1.MeshService/RefineMesh", SOLVE, Changes),
     ("/signorini.v1.SurfaceService/UploadSurface", SOLVE, Changes),
     ("/signorini.v1.SurfaceService/GetSurface", READ, Looks),
     ("/signorini.v1.SurfaceService/ListSurfaces", READ, Looks),

@@ -70,6 +70,7 @@ pub(super) fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
             ("needed", (*needed).to_owned()),
         ],
         Fault::MeshInvalid(_)
+        | Fault::RefinementFailed(_)
         | Fault::SurfaceInvalid(_)
         | Fault::Unauthenticated
         | Fault::StreamDeadline

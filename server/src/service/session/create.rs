@@ -8,6 +8,7 @@ use signorini::Rounding;
 use signorini_proto::v1 as wire;
 
 use super::Sessions;
+use crate::convert::scene::take_accuracy;
 use crate::convert::{mesh, report, step};
 use crate::door::access::Caller;
 use crate::door::client_key::{ClientIdentity, ClientKey};
@@ -39,9 +40,13 @@ impl Sessions {
             .journal
             .as_ref()
             .map(|_| request.encode_to_vec());
-        let scene = request.scene.ok_or_else(missing)?;
+        let mut scene = request.scene.ok_or_else(missing)?;
         planning::check_uploads(&self.services, &scene, &caller).await?;
         if request.validate_only {
+            if scene.accuracy.iter().any(|one| !one.targets.is_empty()) {
+                // The plan of the mesh that `RefineMesh` begins with.
+                take_accuracy(&mut scene)?;
+            }
             let plan = self.plan(scene, client.identity).await?.plan;
             let mut plan = report::plan(plan.report());
             if request.constants {

@@ -1,0 +1,62 @@
+//! Along which axis the steps of a scene move an obstacle.
+
+use crate::v1;
+
+/// The axis, 0 to 2, along which all steps move or push the obstacle of that name; none where there
+/// is no single one.
+pub fn axis_of_travel(scene: &v1::Scene, obstacle: &str) -> Option<usize> {
+    let targets = scene.steps.iter().flat_map(|step| &step.obstacles);
+    let mut axes = targets.filter(|one| one.name == obstacle).flat_map(axes);
+    let first = axes.next()?;
+    axes.all(|axis| axis == first).then_some(first)
+}
+
+/// Axes along which a target moves or pushes.
+fn axes(target: &v1::ObstacleTarget) -> impl Iterator<Item = usize> + use<> {
+    let force = target.force.unwrap_or_default();
+    let pushed = [force.x, force.y, force.z].map(|part| part.unwrap_or(0.0));
+    let moved = target.translation.clone().into_iter().enumerate();
+    let all = moved.chain(pushed.into_iter().enumerate());
+    all.filter_map(|(axis, size)| (size != 0.0).then_some(axis))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(steps: &[(&str, [f64; 3])]) -> v1::Scene {
+        let step = |(name, translation): &(&str, [f64; 3])| v1::LoadStep {
+            obstacles: vec![v1::ObstacleTarget {
+                name: (*name).to_owned(),
+                translation: translation.to_vec(),
+                ..Default::default()
+            }],
+            ..Default::default()
+        };
+        v1::Scene {
+            steps: steps.iter().map(step).collect(),
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn an_axis_is_that_of_all_steps_of_the_obstacle() {
+        let straight = [
+            ("lid", [0.0, -0.1, 0.0]),
+            ("wall", [0.1, 0.0, 0.0]),
+            ("lid", [0.0, -0.3, 0.0]),
+        ];
+        assert_eq!(axis_of_travel(&scene(&straight), "lid"), Some(1));
+        assert_eq!(axis_of_travel(&scene(&straight), "wall"), Some(0));
+        assert_eq!(axis_of_travel(&scene(&straight), "floor"), None);
+        let bent = [("lid", [0.0, -0.1, 0.0]), ("lid", [0.2, -0.1, 0.0])];
+        assert_eq!(axis_of_travel(&scene(&bent), "lid"), None);
+        let mut pushed = scene(&straight[..1]);
+        let force = v1::ForceTarget {
+            x: Some(1.0),
+            ..Default::default()
+        };
+        pushed.steps[0].obstacles[0].force = Some(force);
+        assert_eq!(axis_of_travel(&pushed, "lid"), None);
+    }
+}
