@@ -42,4 +42,4 @@ pub use library::mesh::{Uploaded, WireMesh};
 pub use library::read::StepResults;
 pub use library::session::{NewSession, session_id};
 pub use library::surface::WireSurface;
-pub use library::{bounded_file, result_line, solve};
+pub use library::{bounded_file, refine, result_line, solve};

@@ -9,6 +9,7 @@ from typing import Any
 from ._connection import ANSWER_SECONDS, PLAN_SECONDS, again, channel, route, typed
 from ._encode import Problem
 from ._options import resource
+from ._refinement import is_asked, rounds_of
 from ._surfaces import Surface
 from .errors import NotFoundError
 from .mesh import Mesh
@@ -64,6 +65,24 @@ class Calls:
             answers = self.meshes_stub.ReadMesh(request, metadata=route(session))
             header = next(answers).header
             return Mesh.from_messages(header, [one.chunk for one in answers])
+
+    def fine_enough(self, problem: Problem, session: str = "") -> Problem:
+        """The problem on a mesh that is fine enough for its goals, which the server makes of the one it has.
+
+        The same where the scene asks for none.
+        """
+        if not is_asked(problem.scene):
+            return problem
+        told = []
+        with typed(self.address):
+            request = mesh_service_pb2.RefineMeshRequest(scene=problem.scene)
+            for message in self.meshes_stub.RefineMesh(request, metadata=route(session)):
+                if message.HasField("round"):
+                    told.append(message.round)
+                elif message.HasField("refined"):
+                    refined = message.refined
+        mesh = self.read_mesh(refined.scene.mesh, session)
+        return Problem(refined.scene, mesh, problem.surfaces, rounds_of(told, refined))
 
     def create(self, request: pb.CreateSessionRequest) -> pb.CreateSessionResponse:
         """Sends a request for a session."""

@@ -18,6 +18,7 @@ import numpy as np
 import tomli_w
 
 from . import _program
+from ._refinement import Round
 from ._surfaces import Surface, read_surfaces
 from ._values import Arrays, step_values
 from .errors import SceneError, Violation
@@ -38,6 +39,8 @@ class Problem:
     scene: scene_pb2.Scene
     mesh: Mesh
     surfaces: Sequence[Surface] = ()
+    #: Meshes on the way to this one, where a scene asks for one that is fine enough.
+    rounds: Sequence[Round] = ()
 
 
 def problem(scene: SceneLike, mesh: Mesh | Any | None = None, changes: Mapping[str, Any] | None = None) -> Problem:

@@ -88,6 +88,8 @@ class Session:
         self.name = name
         self.scene = problem.scene
         self.mesh = problem.mesh
+        #: Meshes on the way to this one, where the scene asks for one that is fine enough.
+        self.rounds = problem.rounds
         self.plan = plan
         self._client = client
         self._options = options
@@ -114,7 +116,7 @@ class Session:
 
     def collect(self, increments: Iterable[Increment]) -> Result:
         """Increments of this session as a result: its tables, curves and pictures."""
-        return Result(self.scene, self.mesh, self.plan, list(increments))
+        return Result(self.scene, self.mesh, self.plan, list(increments), self.rounds)
 
     def cancel(self) -> int:
         """Cancels the step that runs, from any thread; its sequence, 0 when none runs."""
@@ -256,6 +258,7 @@ def create(client: Calls, problem: Problem, options: Options) -> Session:
     """Uploads the mesh where needed, makes the session and opens its stream."""
     options = options.named()
     client.upload_problem(problem, options.name)
+    problem = client.fine_enough(problem, options.name)
     answer = client.create(options.create(problem, client.embedded))
     return Session(client, answer.session.name, problem, Plan(answer.plan), options)
 

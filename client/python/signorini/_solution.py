@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._encode import field_names
+from ._refinement import Round
 from .errors import FieldError, GoalError, NotConvergedError
 from .mesh import Mesh
 from .reports import (
@@ -167,11 +168,15 @@ class Increment:
 class Solution(Sequence[Increment]):
     """All increments of a solve, in order. What an increment says, the solution says of its last one."""
 
-    def __init__(self, scene: Scene, mesh: Mesh, plan: Plan, increments: Sequence[Increment]) -> None:
+    def __init__(
+        self, scene: Scene, mesh: Mesh, plan: Plan, increments: Sequence[Increment], rounds: Sequence[Round] = ()
+    ) -> None:
         self.scene = scene
         self.mesh = mesh
         self.plan = plan
         self.increments = list(increments)
+        #: Meshes on the way to this one, where the scene asks for one that is fine enough.
+        self.rounds = tuple(rounds)
 
     def __getitem__(self, index: Any) -> Any:
         """An increment, or a list of some."""

@@ -20,7 +20,7 @@ from typing import Any
 import grpc
 import grpc.aio
 
-from ._connection import ANSWER_SECONDS, PLAN_SECONDS, again_soon, channel, pauses, resolve, route
+from ._connection import ANSWER_SECONDS, PLAN_SECONDS, again_soon, channel, pauses, resolve, route, unanswered
 from ._encode import Problem, SceneLike, StepLike, problem
 from ._journal import Event, Journal, Rejected, open_request
 from ._options import (
@@ -34,6 +34,7 @@ from ._options import (
     step_request,
     steps_of,
 )
+from ._refinement import is_asked, rounds_of
 from ._surfaces import Surface
 from .client import tell
 from .errors import ConnectionBrokenError, NotFoundError, SignoriniError, from_call
@@ -132,7 +133,7 @@ class Session:
 
     def collect(self, increments: Iterable[Increment]) -> Result:
         """Increments of this session as a result: its tables, curves and pictures."""
-        return Result(self._problem.scene, self.mesh, self.plan, list(increments))
+        return Result(self._problem.scene, self.mesh, self.plan, list(increments), self._problem.rounds)
 
     async def step(self, step: StepLike | None = None, *, max_wall_time: float | None = None, **keys: Any) -> Pending:
         """Sends a load step: a `Step`, a dictionary, or its keys (`increments`, `load`, `obstacles`, `supports`)."""
@@ -187,6 +188,7 @@ class Session:
 
     async def _open(self, embedded: bool) -> None:
         await self._upload()
+        await self._refine()
         request = self._options.create(self._problem, embedded)
         answer = await self._ask(self._stub.CreateSession, request, PLAN_SECONDS)
         self.name, self.plan = answer.session.name, Plan(answer.plan)
@@ -218,6 +220,26 @@ class Session:
             await again_soon(self._address, lambda: meshes.UploadMesh(mesh.requests(), metadata=metadata))
         for surface in self._problem.surfaces:
             await self._upload_surface(surface)
+
+    async def _refine(self) -> None:
+        """Lets the server refine the mesh where the scene asks for one that is fine enough."""
+        if not is_asked(self._problem.scene):
+            return
+        meshes = mesh_service_pb2_grpc.MeshServiceStub(self._channel)  # type: ignore[no-untyped-call]
+        metadata, told = route(self._options.name), []
+        try:
+            request = mesh_service_pb2.RefineMeshRequest(scene=self._problem.scene)
+            async for message in meshes.RefineMesh(request, metadata=metadata):
+                if message.HasField("round"):
+                    told.append(message.round)
+                elif message.HasField("refined"):
+                    refined = message.refined
+            reading = meshes.ReadMesh(mesh_service_pb2.ReadMeshRequest(name=refined.scene.mesh), metadata=metadata)
+            parts = [part async for part in reading]
+        except grpc.aio.AioRpcError as error:
+            raise unanswered(from_call(error, self._address), self._address) from None
+        mesh = Mesh.from_messages(parts[0].header, [part.chunk for part in parts[1:]])
+        self._problem = Problem(refined.scene, mesh, self._problem.surfaces, rounds_of(told, refined))
 
     async def _upload_surface(self, surface: Surface) -> None:
         surfaces = surface_service_pb2_grpc.SurfaceServiceStub(self._channel)  # type: ignore[no-untyped-call]

@@ -118,7 +118,8 @@ def tell(result: Result) -> None:
     doubts = [
         messages[0] + (f" (and {len(messages) - 1} like it)" * (len(messages) > 1)) for messages in kinds.values()
     ]
-    for message in [*result.plan.warnings, *doubts]:
+    rounds = [f"accuracy: not reached: {one.why}" for one in result.rounds[-1:] if one.end != "reached"]
+    for message in [*rounds, *result.plan.warnings, *doubts]:
         warnings.warn(message, SignoriniWarning, stacklevel=4)
 
 

@@ -183,6 +183,7 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "SURFACE_INVALID": SceneError,
     "SURFACE_NOT_FOUND": NotFoundError,
     "SURFACE_IN_USE": SessionError,
+    "REFINEMENT_FAILED": RefusedError,
     "SESSION_NOT_FOUND": NotFoundError,
     "SESSION_EXPIRED": NotFoundError,
     "SESSION_ELSEWHERE": SessionError,

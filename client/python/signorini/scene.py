@@ -529,7 +529,7 @@ class Gradient(Part):
 
 @dataclass(kw_only=True)
 class Accuracy(Part):
-    """Goals whose error is bounded; tolerances and limits are those of `signorini solve`, which refines meshes."""
+    """Goals whose error is bounded, or known within tolerances: then the server refines the mesh, up to the limits."""
 
     bound: Names | None = None
     force: Mapping[str, Any] | None = None

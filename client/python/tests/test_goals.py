@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import runpy
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 import signorini as s
+from signorini import aio
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "differentiable.py"
 HARDNESS, DEPTH = "material.body.c10", "obstacle.press.translation.z"
@@ -78,3 +80,33 @@ def test_torch_differentiates_a_force(example: dict[str, Any], force: Any) -> No
     value, gradient = force(place.detach().numpy())
     (example["in_torch"](force)(place) ** 2).backward()
     np.testing.assert_allclose(place.grad.numpy(), 2 * value * gradient, rtol=1e-9)
+
+
+WITHIN = {"step.0.increments": 1, "step.0.obstacle.press.translation.2": -0.05}
+
+
+def test_a_force_within_a_tolerance_is_that_of_a_refined_mesh() -> None:
+    asked = s.Accuracy(force={"press": 0.02}, max_unknowns=2e5)
+    result = s.solve(s.example("mr-block"), set={**WITHIN, "accuracy": asked})
+    assert result.rounds[-1].end == "reached"
+    last = result.rounds[-1].goals["force.press.z"]
+    assert last.bound <= 0.02 * abs(last.value)
+    assert result.mesh.cells.shape[0] == result.rounds[-1].cells
+    goal = result.goal("force.press.z")
+    assert goal.value == pytest.approx(last.value, rel=1e-6)
+    assert goal.bound is not None
+    assert goal.bound.total == pytest.approx(last.bound, rel=1e-3)
+
+
+def test_a_limit_that_comes_first_is_a_warning() -> None:
+    asked = s.Accuracy(force={"press": 1e-5}, max_rounds=1)
+    with pytest.warns(s.SignoriniWarning, match="not reached: 1 meshes are allowed"):
+        result = s.solve(s.example("mr-block"), set={**WITHIN, "accuracy": asked})
+    assert result.rounds[-1].end == "max_rounds"
+
+
+def test_the_asynchronous_twin_refines_the_mesh_too() -> None:
+    asked = s.Accuracy(force={"press": 0.05})
+    result = asyncio.run(aio.solve(s.example("mr-block"), set={**WITHIN, "accuracy": asked}))
+    assert result.rounds[-1].end == "reached"
+    assert result.mesh.cells.shape[0] == result.rounds[-1].cells

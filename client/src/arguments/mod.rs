@@ -84,7 +84,7 @@ Exit codes: 0 ok, 2 usage (or a name that the server does not know), 3 not conve
 4 invalid or unsupported scene or mesh, 5 no server, 6 refused (quota, queue, memory, size, in use,
 token),
 7 deadline, 8 server error, 9 no room on the disk, 10 server restarted (results kept),
-130 interrupted";
+11 not as accurate as asked (results kept), 130 interrupted";
 
 const SOLVE_EXAMPLES: &str = "\
 Examples:

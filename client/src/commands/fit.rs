@@ -21,6 +21,9 @@ use crate::terminal::whole_file;
 
 /// Bytes of a file of test curves.
 const MOST_BYTES: u64 = 16 << 20;
+/// Mean error over the stress from which on a law does not follow tests: scatter of one sample to the next
+/// is below it; chosen.
+const POOR: f64 = 0.2;
 /// Points of a drawn curve.
 const DRAWN: u32 = 120;
 
@@ -41,7 +44,8 @@ pub(super) fn run(arguments: &FitArguments) -> Result<Exit, Failure> {
     };
     let fit = calibrate(&law.model, &tests, weighting);
     let fit = fit.map_err(|error| Failure::new(Exit::Invalid, error.to_string()))?;
-    for warning in warnings(&fit, &tests) {
+    let poor = (!arguments.absolute && fit.misfit > POOR).then(|| poor(&fit));
+    for warning in warnings(&fit, &tests).into_iter().chain(poor) {
         note(&format!("warning: {warning}\n"));
     }
     if let Some(path) = &arguments.plot {
@@ -266,6 +270,15 @@ fn warnings(fit: &Calibrated, tests: &[Test]) -> Vec<String> {
             .to_owned()
     });
     unstable.chain(loose).chain(alone).collect()
+}
+
+/// What is told of a law that does not follow the tests.
+fn poor(fit: &Calibrated) -> String {
+    format!(
+        "the law misses the points by {} in the mean: look at the picture (--plot); another law, or \
+         other points, may be needed",
+        percent(fit.misfit)
+    )
 }
 
 /// The fit as comments.

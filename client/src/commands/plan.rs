@@ -40,10 +40,10 @@ pub(super) async fn of(
     arguments: &SceneArguments,
     detail: Detail,
 ) -> Result<(v1::Plan, Option<v1::UnitNames>), Failure> {
-    let mut input = input::load(arguments)?;
+    let input = input::load(arguments)?;
     let units = input.scene.units.clone();
     let mut warnings = input.mesh.warnings.clone();
-    warnings.extend(first_mesh(&mut input.scene));
+    warnings.extend(first_mesh(&input.scene));
     tell(&warnings);
     let connection = Connection::open(arguments).await?;
     let plan = fetch(&connection.client, input, detail).await;
@@ -55,23 +55,12 @@ pub(super) async fn of(
     Ok((plan, units))
 }
 
-/// Leaves the tolerances of goals to `solve`, which refines the mesh; what it then does.
-fn first_mesh(scene: &mut v1::Scene) -> Option<String> {
-    let accuracy = scene.accuracy.as_mut()?;
-    let targets = std::mem::take(&mut accuracy.targets);
-    if targets.is_empty() {
-        return None;
-    }
-    let has_axis = |goal: &String| [".x", ".y", ".z"].iter().any(|axis| goal.ends_with(axis));
-    let goals = targets.into_iter().map(|target| target.goal);
-    accuracy.bound.extend(goals.filter(has_axis));
-    *accuracy = v1::Accuracy {
-        bound: std::mem::take(&mut accuracy.bound),
-        ..Default::default()
-    };
+/// What is told of a mesh that `solve` refines.
+fn first_mesh(scene: &v1::Scene) -> Option<String> {
+    let accuracy = scene.accuracy.as_ref()?;
     let told = "[accuracy] has tolerances: this is the plan on the mesh of the scene, which \
                 `signorini solve` refines";
-    Some(told.to_owned())
+    (!accuracy.targets.is_empty()).then(|| told.to_owned())
 }
 
 fn tell(warnings: &[String]) {

@@ -1,7 +1,6 @@
 //! `solve`: one scene from its file to its results.
 
 mod accuracy;
-#[cfg(feature = "embedded")]
 mod adapted;
 mod detach;
 mod run;
@@ -32,16 +31,11 @@ pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<E
     let patience = arguments.patience.map_or(PATIENCE, Duration::from_secs);
     let mut run = Run::new(record(&arguments, &input.scene.steps), patience);
     run.record.input(&input.mesh.warnings);
-    #[cfg(feature = "embedded")]
-    let is_known = Box::pin(adapted::refine(&mut input, &mut run.record)).await?;
-    #[cfg(not(feature = "embedded"))]
-    let is_known = Known::Enough;
     run.record.progress.phase("starting");
     let connection = Connection::open(&arguments.scene).await?;
     let outcome = solve(&connection, &mut run, input, arguments.out.as_deref()).await;
     connection.close().await;
-    run.record
-        .finish(outcome.map(|exit| is_known.exit(exit)), started)
+    run.record.finish(outcome, started)
 }
 
 /// Whether goals are known as well as the scene asks.
@@ -50,7 +44,6 @@ enum Known {
     /// They are, or nothing is asked.
     Enough,
     /// A limit came first.
-    #[cfg(feature = "embedded")]
     LessWell,
 }
 
@@ -117,6 +110,8 @@ async fn solve(
     run.record.progress.phase("uploading the mesh");
     // The plan repeats what the server has to say about the mesh.
     input.upload(client).await?;
+    let refined = adapted::refine(client, &mut input, &mut run.record);
+    let known = Box::pin(refined).await?;
     let new = NewSession {
         scene: input.scene.clone(),
         session_id,
@@ -130,7 +125,7 @@ async fn solve(
     };
     // The results are here; a session that is already gone is no fault.
     let _gone = client.delete_session(&session.name).await;
-    outcome
+    outcome.map(|exit| known.exit(exit))
 }
 
 /// Writes the plan. Only a scene that is accepted may replace earlier results.

@@ -6,6 +6,7 @@
 //! | `error` | what can go wrong, typed by the reasons of the contract |
 //! | `backoff`, `breaks` | pauses before a new attempt; what is tried again |
 //! | `mesh`, `surface` | uploads, named by their digests |
+//! | `refine` | meshes that the server refines |
 //! | `session` | make, look at and delete sessions; plans |
 //! | `solve` | the stream that drives a session |
 //! | `read` | kept results |
@@ -20,6 +21,7 @@ pub(crate) mod credentials;
 pub(crate) mod error;
 pub(crate) mod mesh;
 pub(crate) mod read;
+pub mod refine;
 pub mod result_line;
 pub(crate) mod session;
 pub mod solve;

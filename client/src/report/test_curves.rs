@@ -10,7 +10,7 @@ use thiserror::Error;
 /// Names of tests, and what else they are called.
 const TESTS: [(&str, &[&str]); 3] = [
     ("uniaxial", &["tension", "compression", "simple"]),
-    ("planar", &["pure-shear", "pure shear", "shear"]),
+    ("planar", &["pure-shear", "pure shear"]),
     ("equibiaxial", &["biaxial"]),
 ];
 /// Most points.
@@ -32,7 +32,9 @@ pub(crate) struct Point {
 pub(crate) enum CurveError {
     #[error("no column \"{0}\" in the first row: columns are test, stretch or strain, stress")]
     Column(&'static str),
-    #[error("line {line}: \"{found}\" is no test: uniaxial, planar or equibiaxial is expected")]
+    #[error(
+        "line {line}: \"{found}\" is no test that is fitted: uniaxial, planar (pure shear) or equibiaxial is expected"
+    )]
     Test { line: u64, found: String },
     #[error("line {line}: \"{found}\" is no number, which column {column} holds")]
     Number {

@@ -93,6 +93,14 @@ pub(crate) async fn solve(
     stop: &mut Stop,
 ) -> End {
     complete(&mut job.scene, fields);
+    let refined = tokio::select! {
+        refined = client.fine_enough(job.scene.clone()) => refined,
+        _ = stop.wait_for(|stop| *stop) => return End::Stopped,
+    };
+    match refined {
+        Ok(scene) => job.scene = scene,
+        Err(error) => return meaning(job.case, job.id, error),
+    }
     let new = NewSession {
         scene: job.scene.clone(),
         on_disconnect: v1::DisconnectPolicy::CancelStep,
@@ -209,6 +217,7 @@ pub(crate) fn meaning(case: u64, id: &str, error: ClientError) -> End {
         | "REQUEST_INVALID"
         | "UNSUPPORTED_COMBINATION"
         | "SESSION_FAILED"
+        | "REFINEMENT_FAILED"
         | "MESSAGE_LIMIT"
         | "INTERNAL"
         | "SESSION_DAMAGED"

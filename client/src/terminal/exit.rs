@@ -231,6 +231,7 @@ fn exit_of(refusal: &Refusal) -> Exit {
         "SESSION_EXISTS" | "MESH_IN_USE" | "SURFACE_IN_USE" => return Exit::Refused,
         "MESH_NOT_FOUND" | "SURFACE_NOT_FOUND" => return Exit::Invalid,
         "SESSION_FAILED" if is_memory(refusal) => return Exit::Refused,
+        "REFINEMENT_FAILED" => return Exit::NotConverged,
         _ => {}
     }
     match refusal.code {
@@ -292,6 +293,7 @@ mod tests {
             (Code::Unavailable, "SHUTTING_DOWN", Exit::NoServer),
             (Code::ResourceExhausted, "MEMORY_BUDGET", Exit::Refused),
             (Code::Aborted, "SESSION_BUSY", Exit::Refused),
+            (Code::Aborted, "REFINEMENT_FAILED", Exit::NotConverged),
             (Code::Unauthenticated, "UNAUTHENTICATED", Exit::Refused),
             (Code::PermissionDenied, "PERMISSION_DENIED", Exit::Refused),
             (Code::DeadlineExceeded, "", Exit::Deadline),

@@ -1,5 +1,6 @@
 //! `--accuracy`: the error of the force of every obstacle.
 
+use signorini_proto::travel::axis_of_travel;
 use signorini_proto::v1;
 
 use crate::terminal::exit::{Exit, Failure};
@@ -30,43 +31,6 @@ pub(super) fn bound_forces(scene: &mut v1::Scene, dimension: usize) -> Result<()
         }
     }
     Ok(())
-}
-
-/// A goal with its axis: of a force without one that along the motion of the obstacle.
-pub(super) fn with_axis(scene: &v1::Scene, goal: &str) -> Result<String, Failure> {
-    let name = goal.strip_prefix("force.").unwrap_or_default();
-    if !scene.obstacles.iter().any(|one| one.name == name) {
-        return Ok(goal.to_owned());
-    }
-    let axis = axis_of_travel(scene, name).and_then(|axis| AXES.get(axis));
-    axis.map(|axis| format!("{goal}.{axis}")).ok_or_else(|| {
-        let message = format!(
-            "accuracy.{goal}: the steps move {name} along no single axis: name one, such as \
-             {goal}.y"
-        );
-        Failure::new(Exit::Invalid, message)
-    })
-}
-
-/// The axis along which all steps move or push an obstacle; none where there is no single one.
-fn axis_of_travel(scene: &v1::Scene, name: &str) -> Option<usize> {
-    let targets = scene.steps.iter().flat_map(|step| &step.obstacles);
-    let mut found = None;
-    for target in targets.filter(|target| target.name == name) {
-        let mut moved = target.translation.iter().enumerate();
-        let force = target.force.unwrap_or_default();
-        let pushed = [force.x, force.y, force.z].map(|part| part.unwrap_or(0.0));
-        let mut pushed = pushed.iter().enumerate();
-        let along = |(axis, size): (usize, &f64)| (*size != 0.0).then_some(axis);
-        let axes = std::iter::from_fn(|| moved.find_map(along))
-            .chain(std::iter::from_fn(|| pushed.find_map(along)));
-        for axis in axes {
-            if *found.get_or_insert(axis) != axis {
-                return None;
-            }
-        }
-    }
-    found
 }
 
 #[cfg(test)]

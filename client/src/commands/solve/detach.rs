@@ -66,7 +66,7 @@ async fn create(
 ) -> Result<(v1::Session, v1::Plan), Failure> {
     input.upload(client).await?;
     let new = NewSession {
-        scene: input.scene,
+        scene: client.fine_enough(input.scene).await?,
         session_id: name,
         ttl: Some(ttl),
         on_disconnect: v1::DisconnectPolicy::FinishStep,
