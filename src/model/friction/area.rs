@@ -25,10 +25,10 @@ type Row = Vec<(u32, f64)>;
 pub(super) fn change_of_area(
     friction: &Friction,
     (model, state): (&Model<'_>, &State),
+    held: &[bool],
 ) -> [SparseRows; 2] {
     let frames = friction.frames(model, state);
     let width = friction.components.count();
-    let held = &model.prepared.is_held;
     let body = model.deformed(&state.displacement);
     let mut rows: Vec<Row> = vec![Vec::new(); state.multiplier.len()];
     let mut surfaces = Vec::new();

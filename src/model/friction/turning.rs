@@ -71,9 +71,18 @@ impl Friction {
     /// What the turning of tangents and the change of the area add at `state`; none where all
     /// frictional obstacles are flat and the area is the undeformed one.
     pub(crate) fn turning(&self, model: &Model<'_>, state: &State) -> Option<Turning> {
+        self.turning_of((model, state), &model.prepared.is_held)
+    }
+
+    /// The same without rows and columns of `held` unknowns.
+    pub(crate) fn turning_of(
+        &self,
+        (model, state): (&Model<'_>, &State),
+        held: &[bool],
+    ) -> Option<Turning> {
         if model.is_rubber() {
-            let turning = self.turning_of_tangents(model, state);
-            let [rows, geometric] = area::change_of_area(self, (model, state));
+            let turning = self.turning_of_tangents((model, state), held);
+            let [rows, geometric] = area::change_of_area(self, (model, state), held);
             let own = Turning {
                 rows: turning.rows.plus(&rows),
                 geometric: turning.geometric.plus(&geometric),
@@ -87,11 +96,11 @@ impl Friction {
             });
         }
         let is_flat = self.is_on_flats(model, state);
-        (!is_flat).then(|| self.turning_of_tangents(model, state))
+        (!is_flat).then(|| self.turning_of_tangents((model, state), held))
     }
 
     /// What the turning of tangents adds at `state`.
-    fn turning_of_tangents(&self, model: &Model<'_>, state: &State) -> Turning {
+    fn turning_of_tangents(&self, (model, state): (&Model<'_>, &State), held: &[bool]) -> Turning {
         let traces = self.traces(model, state);
         let travels = match &model.conditions.slip_start {
             Some(start) => self.travels(&traces, (model, state), start),
@@ -101,7 +110,7 @@ impl Friction {
             friction: self,
             traces: &traces,
             components: model.prepared.space.components,
-            held: &model.prepared.is_held,
+            held,
             rows: vec![Vec::new(); state.multiplier.len()],
             geometric: vec![Vec::new(); state.displacement.len()],
         };

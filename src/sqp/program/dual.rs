@@ -6,15 +6,17 @@
 //! [ C                   ] [y_l]   [J_l]
 //! ```
 //!
+//! with friction C^T and C of what slips as [`super::dual_contact`] has them, other matrices.
 //! `[displacement]`, `[pressures]`, `[multipliers]`, non-dimensional. y are the sensitivities of a
 //! functional J to the residuals of the state (R. Becker and R. Rannacher, Acta Numerica 10, 2001).
 //! Passes of GCR with the approximate inverse or the factor in use, each from the residual
-//! computed anew; where they stagnate, with a factor of the body. Bodies without friction only.
+//! computed anew; where they stagnate, with a factor of the body.
 //! Cost: that of a program on a fixed set of contacts.
 
 use std::sync::atomic::Ordering;
 
 use super::QuadraticProgram;
+use super::dual_contact::DualContact;
 use super::step::blocks;
 use crate::inequality::{
     BlockIterate, OneLevel, QpIterate, QpNorms, QpRun, QpScales, QpStatus, QpTargets,
@@ -23,7 +25,7 @@ use crate::krylov::Verdict;
 use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::precond::Counted;
-use crate::saddle::{EqualityBlock, SaddleOperator, Status};
+use crate::saddle::{EqualityBlock, SaddleOperator};
 use crate::sqp::run::Run;
 
 constants! {
@@ -80,6 +82,8 @@ impl Fields {
 pub(crate) struct DualSolution {
     /// y.
     pub(crate) fields: Fields,
+    /// What it is to the law of friction, where points slip `[multipliers]`; empty without.
+    pub(crate) law: Vec<f64>,
     /// Its true residual over its scale.
     pub(crate) residual: f64,
 }
@@ -99,8 +103,8 @@ struct DualProblem<'p> {
     curvature: Option<&'p SparseRows>,
     /// J_u, J_p, J_l, those of open contacts zero.
     right: &'p Fields,
-    /// What each multiplier does `[multipliers]`.
-    status: &'p [Status],
+    /// Rows and columns of what holds.
+    contact: &'p DualContact,
 }
 
 /// Where the passes have come to.
@@ -132,13 +136,14 @@ impl QuadraticProgram<'_> {
         if run.learned.factored.is_some() {
             self.take_kept_factor(run);
         }
-        let right = self.on_contacts(right, &run.state.status);
-        let status = run.state.status.clone();
+        let contact = DualContact::new(self, run.state);
+        let whole = right;
+        let right = self.on_contacts(right, &contact);
         let curvature = self.geometric.all().map(SparseRows::transposed);
         let problem = DualProblem {
             curvature: curvature.as_ref(),
             right: &right,
-            status: &status,
+            contact: &contact,
         };
         let mut at = self.first_pass(&problem);
         for _ in 0..MOST_PASSES {
@@ -159,6 +164,10 @@ impl QuadraticProgram<'_> {
         let residual = at.relative();
         if residual <= TARGET {
             Ok(DualSolution {
+                law: contact.of_law(
+                    &self.now.coupling,
+                    (&whole.multiplier, &at.solution.displacement),
+                ),
                 fields: at.solution,
                 residual,
             })
@@ -168,12 +177,10 @@ impl QuadraticProgram<'_> {
     }
 
     /// `right` without what is held or open.
-    fn on_contacts(&self, right: &Fields, status: &[Status]) -> Fields {
+    fn on_contacts(&self, right: &Fields, contact: &DualContact) -> Fields {
         let mut right = right.clone();
         self.model.prepared.held.mask(&mut right.displacement);
-        let open = right.multiplier.iter_mut().zip(status);
-        open.filter(|(_, status)| **status != Status::Stick)
-            .for_each(|(value, _)| *value = 0.0);
+        contact.gather(&mut right.multiplier);
         right
     }
 
@@ -207,18 +214,23 @@ impl QuadraticProgram<'_> {
         at.solution.add(&step);
         at.left = self.residual(problem, &at.solution, run.work);
         let mut contact = vec![0.0; at.left.displacement.len()];
-        let coupling = &self.now.coupling;
-        coupling.add_transposed(1.0, &at.solution.multiplier, &mut contact, run.work);
+        let columns = self.contact_rows();
+        columns.add_transposed(1.0, &at.solution.multiplier, &mut contact, run.work);
         let scale = norm(&problem.right.displacement).max(norm(&contact));
         at.force_scale = if scale > 0.0 { scale } else { f64::INFINITY };
-        let QpScales { constraint, gap } = self.unsolved_norms(&at.solution, run.work);
+        let QpScales { constraint, gap } = self.unsolved_norms(problem, &at.solution, run.work);
         at.scales.see(constraint, gap);
         failed
     }
 
     /// Norms of the volumes and gaps of a motion as large as y whose nodes go to and fro: beside
     /// them is seen what y leaves. What a good preconditioner has shown on the way is rounding.
-    fn unsolved_norms(&self, y: &Fields, work: &mut Workspace) -> QpScales {
+    fn unsolved_norms(
+        &self,
+        problem: &DualProblem<'_>,
+        y: &Fields,
+        work: &mut Workspace,
+    ) -> QpScales {
         let components = self.model.prepared.space.components;
         let mut motion = y.displacement.clone();
         for (node, row) in motion.chunks_exact_mut(components).enumerate() {
@@ -231,7 +243,8 @@ impl QuadraticProgram<'_> {
             pressure.rows.apply(&motion, &mut volumes, work);
         }
         let mut gaps = vec![0.0; y.multiplier.len()];
-        self.now.coupling.apply(&motion, &mut gaps, work);
+        let rows = problem.contact.rows(self);
+        rows.apply(&motion, &mut gaps, work);
         QpScales {
             constraint: norm(&volumes),
             gap: norm(&gaps),
@@ -245,7 +258,7 @@ impl QuadraticProgram<'_> {
         problem: &DualProblem<'_>,
         at: &mut Passes,
     ) -> (Fields, Option<QpStatus>) {
-        let mut iterate = at_residual(&at.left, problem.status);
+        let mut iterate = at_residual(&at.left, problem.contact);
         let targets = QpTargets {
             force_scale: at.force_scale,
             level: (0.3 * TARGET).max(REDUCTION * at.relative()),
@@ -255,7 +268,9 @@ impl QuadraticProgram<'_> {
         if let Some(body) = &self.factored {
             body.begin();
         }
-        let blocks = self.blocks();
+        let mut blocks = self.blocks();
+        let contact = blocks.pop();
+        blocks.extend(contact.map(|block| problem.contact.take_part(self, block)));
         let step = self.block_step(&displacement, run.work);
         let face = self.problem(problem.curvature, &displacement, &blocks, &*step);
         let Run {
@@ -301,18 +316,19 @@ impl QuadraticProgram<'_> {
         let mut left = problem.right.clone();
         add_scaled(&mut left.displacement, -1.0, force);
         add_scaled(&mut left.pressure, -1.0, volumes);
-        let coupling = &self.now.coupling;
-        coupling.add_transposed(-1.0, &y.multiplier, &mut left.displacement, work);
-        coupling.subtract_product(&y.displacement, &mut left.multiplier, work);
-        let open = left.multiplier.iter_mut().zip(problem.status);
-        open.filter(|(_, status)| **status != Status::Stick)
-            .for_each(|(value, _)| *value = 0.0);
+        let columns = self.contact_rows();
+        columns.add_transposed(-1.0, &y.multiplier, &mut left.displacement, work);
+        let rows = problem.contact.rows(self);
+        rows.subtract_product(&y.displacement, &mut left.multiplier, work);
+        problem
+            .contact
+            .keep_across(&mut left.multiplier, &y.multiplier);
         left
     }
 }
 
 /// Nothing solved yet of the residual `left`.
-fn at_residual(left: &Fields, status: &[Status]) -> QpIterate {
+fn at_residual(left: &Fields, contact: &DualContact) -> QpIterate {
     QpIterate {
         displacement: vec![0.0; left.displacement.len()],
         force: left.displacement.clone(),
@@ -321,8 +337,8 @@ fn at_residual(left: &Fields, status: &[Status]) -> QpIterate {
             BlockIterate {
                 multiplier: vec![0.0; left.multiplier.len()],
                 residual: left.multiplier.clone(),
-                status: status.to_vec(),
-                slides: Vec::new(),
+                status: contact.status.clone(),
+                slides: contact.across(),
             },
         ),
     }

@@ -13,6 +13,7 @@ mod augmentation;
 mod by_factor;
 mod contact_edges;
 mod dual;
+mod dual_contact;
 mod factorised;
 mod geometric;
 mod inverse;
