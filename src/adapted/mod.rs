@@ -14,7 +14,7 @@
 //! two. On the first mesh all steps are solved; on each one that follows only the last state is
 //! brought into equilibrium, from that of the mesh before, which is the same function there.
 //!
-//! Assumptions: those of goals (no friction, no fluids), so that the state does not depend on its
+//! Assumptions: no friction and no fluids, so that the state does not depend on its
 //! way. What flat facets make of a goal where they stand for a curved surface is no error that
 //! halving takes away: vertices of the halves lie on the facets. It counts in the bound as on the
 //! first mesh, and ends the loop where it alone is too much. Arcs fitted over facets (`smooth`) are

@@ -7,6 +7,7 @@ use super::accuracy::Accuracy;
 use super::error::AdaptionError;
 use super::judge::{self, Judge};
 use super::round::{End, GoalRound, Round};
+use crate::goals::GoalError;
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::prepare::Prepared;
@@ -139,6 +140,9 @@ struct Left<'a> {
 fn first(problem: Problem<'_>, watch: &mut Watch<'_>) -> Result<Present, AdaptionError> {
     let started = Instant::now();
     let plan = Arc::new(Plan::new(problem.scene, problem.steps, problem.mesh)?);
+    if plan.has_friction() {
+        return Err(GoalError::NeedsHistory("friction").into());
+    }
     let prepared = Arc::new(Prepared::build(&plan, problem.mesh, watch.cancel)?);
     let mesh = plan.body_mesh(problem.mesh);
     let mut session = Session::new(plan.clone(), problem.mesh.clone(), prepared, Reuse::Built);

@@ -8,7 +8,8 @@
 //! lifts off, a face penetrates (d < 0) that would be in contact whole, and its answer r to the
 //! goal goes on where contact would hold it (n . r = 0). l and m are the pressures of state and
 //! dual solution, there the means of those that hold. The rest of both products is zero: closed
-//! functions see neither d nor n . r in the mean. Non-dimensional. Cost: one probe a point of the
+//! functions see neither d nor n . r in the mean. With friction l n is the traction as a whole: where
+//! points slip its work is what is zero in the mean. Non-dimensional. Cost: one probe a point of the
 //! rule.
 
 use super::area_change::WHOLE;
@@ -16,7 +17,7 @@ use super::counterpart::Counterpart;
 use super::deformed::{Deformed, FacePoints, Table};
 use super::face::ContactFace;
 use super::surface::ContactSurface;
-use crate::geometry::vector3::dot;
+use crate::geometry::vector3::{add, dot, scale};
 use crate::obstacle::Derivatives;
 
 /// A state and a dual solution on a surface.
@@ -26,6 +27,8 @@ pub struct Closing<'a> {
     pub closed: &'a [f64],
     /// Coefficients of l `[functions]`.
     pub pressure: &'a [f64],
+    /// Coefficients of the tractions of friction `[functions]`; empty without.
+    pub traction: &'a [[f64; 3]],
     /// Coefficients of m `[functions]`.
     pub dual: &'a [f64],
     /// Hierarchical r `[displacement]`.
@@ -44,14 +47,13 @@ pub fn closing<C: Counterpart + ?Sized>(
     body.on_faces(&table, &surface.faces, 1, |points, face, sum| {
         let means = at.means(face);
         if let Some([pressure, dual]) = means {
+            let traction = at.mean_traction(face);
             points.probe(counterpart, face, Derivatives::Normal);
             for (point, contact) in points.contacts.iter().enumerate() {
                 if contact.distance < 0.0 {
-                    let along = dot(
-                        contact.normal,
-                        at.motion_at(points, face, (point, components)),
-                    );
-                    sum[0] += points.weights[point] * (pressure * along + dual * contact.distance);
+                    let motion = at.motion_at(points, face, (point, components));
+                    let work = pressure * dot(contact.normal, motion) + dot(traction, motion);
+                    sum[0] += points.weights[point] * (work + dual * contact.distance);
                 }
             }
         }
@@ -71,6 +73,19 @@ impl Closing<'_> {
         }
         let is_edge = count > 0 && count < face.functions.len();
         is_edge.then(|| sums.map(|sum| sum / count as f64))
+    }
+
+    /// Mean of the tractions over the closed functions of a face, of which there are some.
+    fn mean_traction(&self, face: &ContactFace) -> [f64; 3] {
+        if self.traction.is_empty() {
+            return [0.0; 3];
+        }
+        let own = face.functions.iter().map(|&k| k as usize);
+        let closed = own.filter(|&k| self.closed[k] > WHOLE);
+        let (sum, count) = closed.fold(([0.0; 3], 0), |(sum, count), k| {
+            (add(sum, self.traction[k]), count + 1)
+        });
+        scale(1.0 / f64::from(count.max(1)), sum)
     }
 
     /// r at a point of a face.

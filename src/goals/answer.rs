@@ -1,16 +1,16 @@
 //! Questions about the state of a run, answered.
 
+use super::border::borderline;
 use super::bound::bound;
-use super::dual::{Dual, dual, work};
+use super::dual::{Dual, dual};
 use super::error::GoalError;
 use super::gradient::{Answered, gradients};
-use crate::linalg::vector::norm;
+use super::history::refuse_history;
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
 use crate::model::push::{Control, Part};
 use crate::model::state::State;
 use crate::report::{GoalBound, GoalReport};
-use crate::saddle::{AdmissibleSet, Status};
 use crate::scene::{Goal, GoalErrors, GoalKind, GoalQuestions, Parameter};
 use crate::sqp::increment;
 use crate::sqp::program::QuadraticProgram;
@@ -19,8 +19,6 @@ use crate::sqp::run::Run;
 /// Largest residual of a state that counts as an equilibrium: looser than any tolerance that is
 /// asked for.
 const EQUILIBRIUM: f64 = 1e-3;
-/// Pressure over the largest one, and gap over the deepest motion, of a contact at its border.
-const BORDER: f64 = 1e-6;
 
 /// Answers `questions` at the state of `run`, each goal once with all that is asked of it.
 ///
@@ -30,8 +28,8 @@ pub(crate) fn answer(
     run: &mut Run<'_>,
     questions: &[GoalQuestions],
 ) -> Result<Vec<GoalReport>, GoalError> {
-    refuse_history(&run.model)?;
     let asked = Asked::of(questions);
+    refuse_history((&run.model, &*run.state), !asked.parameters.is_empty())?;
     let now = run.evaluate();
     refuse_unbalanced(run, &now)?;
     let mut program = QuadraticProgram::new(run, &now, None, &mut 0.0);
@@ -135,7 +133,7 @@ impl At {
         dual: &Dual,
         errors: GoalErrors,
     ) -> GoalReport {
-        let solver = work(&dual.fields, &self.now) * dual.goal.unit();
+        let solver = dual.work(state, &self.now) * dual.goal.unit();
         let bound = match errors {
             GoalErrors::Left => None,
             GoalErrors::Bounded => Some(GoalBound {
@@ -154,18 +152,6 @@ impl At {
             applications: dual.applications,
             seconds: dual.seconds,
         }
-    }
-}
-
-/// Refuses bodies whose state depends on its way.
-fn refuse_history(model: &Model<'_>) -> Result<(), GoalError> {
-    let problem = &model.plan.problem;
-    if model.plan.has_friction() {
-        Err(GoalError::NeedsHistory("friction"))
-    } else if !problem.resolved.fluids.is_empty() {
-        Err(GoalError::NeedsHistory("fluids"))
-    } else {
-        Ok(())
     }
 }
 
@@ -203,28 +189,4 @@ fn pushing_goals(model: &Model<'_>, state: &State) -> Result<Vec<(Control, Goal)
         )),
     };
     controls.map(goal).collect()
-}
-
-/// Contacts of obstacles that are closed without pressure, or open without a gap.
-fn borderline(state: &State, now: &Evaluation) -> u32 {
-    let largest = state
-        .multiplier
-        .iter()
-        .fold(0.0, |most: f64, l| most.max(l.abs()));
-    let widest = norm(&now.gap);
-    let all = now.sets.iter().flat_map(|part| {
-        let is_contact = part.set == AdmissibleSet::NonNegative;
-        std::iter::repeat_n(is_contact, part.size)
-    });
-    let contacts = all
-        .zip(&state.status)
-        .zip(state.multiplier.iter().zip(&now.gap));
-    let at_border = contacts.filter(|((is_contact, status), (pressure, gap))| {
-        *is_contact
-            && match status {
-                Status::Open => gap.abs() <= BORDER * widest,
-                Status::Stick | Status::Slip => pressure.abs() <= BORDER * largest,
-            }
-    });
-    at_border.count() as u32
 }

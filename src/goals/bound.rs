@@ -32,8 +32,10 @@ use super::form::Forms;
 use crate::assembly::recovery::{Recovery, cell_products};
 use crate::contact::{Closing, closing};
 use crate::model::Model;
+use crate::model::interfaces::Interface;
 use crate::model::state::State;
 use crate::report::GoalBound;
+use crate::results::friction::tractions as tractions_at;
 
 /// The error of one goal at a state, in the caller's units but for what the solver left.
 pub(super) fn bound(model: &Model<'_>, state: &State, dual: &Dual) -> GoalBound {
@@ -95,6 +97,7 @@ fn edges(model: &Model<'_>, state: &State, (dual, smooth): (&Dual, &[f64])) -> V
     let body = model.deformed(&state.displacement);
     let is_closed = |status: &crate::saddle::Status| f64::from(u8::from(status.is_closed()));
     let closed: Vec<f64> = state.status.iter().map(is_closed).collect();
+    let tractions = tractions(model, state);
     let mut parts = Vec::new();
     for (index, (interface, met)) in model.placed(&state.drive).enumerate() {
         if met.obstacle().is_none() {
@@ -103,6 +106,7 @@ fn edges(model: &Model<'_>, state: &State, (dual, smooth): (&Dual, &[f64])) -> V
         let at = Closing {
             closed: &interface.coefficients(&closed),
             pressure: &interface.coefficients(&state.multiplier),
+            traction: &coefficients(interface, &tractions),
             dual: &interface.coefficients(&dual.fields.multiplier),
             motion: &dual.goal.relative(model, state, (index, smooth)),
         };
@@ -112,4 +116,30 @@ fn edges(model: &Model<'_>, state: &State, (dual, smooth): (&Dual, &[f64])) -> V
         parts.extend(cells.zip(own).filter(|(_, part)| *part != 0.0));
     }
     parts
+}
+
+/// Tractions of friction along the axes, each at the multipliers of its pressures `[3][multipliers]`;
+/// none without friction.
+fn tractions(model: &Model<'_>, state: &State) -> Option<[Vec<f64>; 3]> {
+    let friction = model.interfaces.friction.as_ref()?;
+    let frames = friction.frames(model, state);
+    let mut all = std::array::from_fn(|_| vec![0.0; state.multiplier.len()]);
+    let points = friction.partners.iter();
+    for (&partner, traction) in points.zip(tractions_at(friction, &frames, state)) {
+        let sums: &mut [Vec<f64>; 3] = &mut all;
+        for (sum, value) in sums.iter_mut().zip(traction) {
+            sum[partner as usize] += value;
+        }
+    }
+    Some(all)
+}
+
+/// What the functions of a surface have of the tractions `[functions][3]`; empty without friction.
+fn coefficients(interface: &Interface, tractions: &Option<[Vec<f64>; 3]>) -> Vec<[f64; 3]> {
+    let Some(all) = tractions else {
+        return Vec::new();
+    };
+    let [x, y, z] = all.each_ref().map(|own| interface.coefficients(own));
+    let parts = x.into_iter().zip(y).zip(z);
+    parts.map(|((x, y), z)| [x, y, z]).collect()
 }

@@ -4,8 +4,9 @@
 
 use super::error::GoalError;
 use super::resolved::ResolvedGoal;
-use crate::linalg::vector::dot;
+use crate::linalg::vector::{dot, norm};
 use crate::model::evaluate::Evaluation;
+use crate::model::state::State;
 use crate::report::Termination;
 use crate::scene::Goal;
 use crate::sqp::program::{DualFailure, Fields, QuadraticProgram};
@@ -19,6 +20,8 @@ pub(super) struct Dual {
     pub(super) goal: ResolvedGoal,
     /// y, non-dimensional.
     pub(super) fields: Fields,
+    /// What of it belongs to the law of friction, where points slip `[multipliers]`; empty without.
+    pub(super) law: Vec<f64>,
     /// True residual over its scale.
     pub(super) residual: f64,
     /// Applications of the displacement preconditioner.
@@ -27,11 +30,30 @@ pub(super) struct Dual {
     pub(super) seconds: f64,
 }
 
-/// y . R.
-pub(super) fn work(y: &Fields, now: &Evaluation) -> f64 {
-    dot(&y.displacement, &now.force)
-        + dot(&y.pressure, &now.constraint)
-        + dot(&y.multiplier, &now.gap)
+impl Dual {
+    /// y . R, where points slip with the law of friction, t = r(l) t / |t|.
+    pub(super) fn work(&self, state: &State, now: &Evaluation) -> f64 {
+        let y = &self.fields;
+        dot(&y.displacement, &now.force)
+            + dot(&y.pressure, &now.constraint)
+            + dot(&y.multiplier, &now.gap)
+            + self.work_of_law(state, now)
+    }
+
+    /// y . (r e - t) of the points that slip.
+    fn work_of_law(&self, state: &State, now: &Evaluation) -> f64 {
+        let Some(law) = now.friction.as_ref().filter(|_| !self.law.is_empty()) else {
+            return 0.0;
+        };
+        let own = law.normals..law.normals + law.tractions();
+        let width = law.components.count();
+        let [y, tractions] = [&self.law[own.clone()], &state.multiplier[own]];
+        let points = y.chunks(width).zip(tractions.chunks(width));
+        let points = points.zip(law.radii(&state.multiplier));
+        let slipping = points.filter(|((y, _), _)| y.iter().any(|value| *value != 0.0));
+        let parts = slipping.map(|((y, t), radius)| (radius / norm(t) - 1.0) * dot(y, t));
+        parts.sum()
+    }
 }
 
 /// The dual solution of one goal.
@@ -50,6 +72,7 @@ pub(super) fn dual(
         name: goal.clone(),
         goal: resolved,
         fields: solved.fields,
+        law: solved.law,
         residual: solved.residual,
         applications: run.counters.applications - before,
         seconds: start.elapsed().as_secs_f64(),

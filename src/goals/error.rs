@@ -33,6 +33,12 @@ pub enum GoalError {
          alone would be wrong"
     )]
     NeedsHistory(&'static str),
+    /// Where the last increment began is not known: its friction counts from there.
+    #[error(
+        "friction counts slip from where the increment began, which is not in a checkpoint: goals \
+         are answered again after the next increment"
+    )]
+    UnknownStart,
     /// The dual problem was not solved.
     #[error("`{goal}`: the dual problem is solved to {residual:.1e} only; is the state stable?")]
     NotSolved {

@@ -14,7 +14,7 @@
 //!
 //! Cost: six evaluations of the residuals a parameter, for all goals together.
 
-use super::dual::{Dual, work};
+use super::dual::Dual;
 use super::error::GoalError;
 use super::perturbed::{Change, Place};
 use crate::linalg::{DenseLu, DenseMatrix, Workspace};
@@ -216,7 +216,7 @@ fn lagrangians(
         &mut Workspace::new(),
     );
     let value = |dual: &Dual| {
-        let sum = dual.goal.value(&model, state) + work(&dual.fields, &now);
+        let sum = dual.goal.value(&model, state) + dual.work(state, &now);
         sum * dual.goal.unit()
     };
     Ok(answered.all().map(value).collect())

@@ -15,19 +15,23 @@
 //! | [`error`] | why a goal has no answer |
 //! | [`resolved`], [`own_contact`], [`transposed`] | J and dJ/dx |
 //! | [`answer`] | questions and their order |
+//! | [`history`], [`border`] | states that depend on their way, derivatives that are one-sided |
 //! | [`dual`] | y, by the operators that the solver has |
 //! | [`bound`], [`form`] | the error of J by the mesh, from the errors of x and y |
 //! | [`perturbed`], [`gradient`] | the derivative of J + y . R with the state held fast |
 //!
-//! Nothing of a session is changed by asking. Bodies without friction and fluids, whose state
-//! depends on its way.
+//! Where points slip x has no traction of its own: it follows its pressure, so that K is not
+//! symmetric. Nothing of a session is changed by asking. Bodies without fluids, whose state depends
+//! on its way; with friction see [`history`].
 
 mod answer;
+mod border;
 mod bound;
 mod dual;
 mod error;
 mod form;
 mod gradient;
+mod history;
 mod own_contact;
 mod perturbed;
 mod resolved;

@@ -1,10 +1,12 @@
-//! An obstacle's surface at a state, with the rows of its gaps: what goals on it are made of.
+//! An obstacle's surface at a state, with the rows of its gaps and slips: what goals on it are made
+//! of.
 //!
 //! ```text
-//! f = -C^T l,   C w,   K = d(l . dg/du)/du
+//! f = -C^T l,   C w,   K = -d(C^T l)/du
 //! ```
 //!
-//! Held columns among them. Non-dimensional. Cost: one pass over the surface.
+//! l its pressures and its tractions of friction. Held columns among them. Non-dimensional. Cost:
+//! one pass over the surface.
 
 use crate::contact::curvature;
 use crate::contact::gap::linearise;
@@ -14,15 +16,15 @@ use crate::model::interfaces::Interface;
 use crate::model::placed::Placed;
 use crate::model::state::State;
 
-/// An obstacle's surface with the rows of its gaps, held columns among them.
+/// An obstacle's surface with the rows of its gaps and slips, held columns among them.
 pub(super) struct OwnContact<'a> {
     interface: &'a Interface,
     /// What it meets.
     pub(super) met: Placed,
-    /// C of its multipliers.
-    rows: Vec<Vec<(u32, f64)>>,
-    /// Its pressures.
-    pressure: Vec<f64>,
+    /// Its place among all.
+    index: usize,
+    /// Places of its multipliers, and their rows of C.
+    rows: Vec<(usize, Vec<(u32, f64)>)>,
     /// Displacement unknowns.
     size: usize,
 }
@@ -35,21 +37,31 @@ impl<'a> OwnContact<'a> {
         let (interface, met) = placed.nth(index)?;
         let body = model.deformed(&state.displacement);
         let linearised = linearise(&body, &interface.surface, &met, &free);
+        let mut rows: Vec<_> = interface.places().zip(linearised.rows).collect();
+        if let Some(friction) = &model.interfaces.friction {
+            let width = friction.components.count();
+            let all = friction.linearised(model, state, &free).rows.into_iter();
+            let tractions = all.enumerate().filter(|(place, _)| {
+                let point = friction.points.get(place / width);
+                point.is_some_and(|point| point.obstacle == index)
+            });
+            rows.extend(tractions.map(|(place, row)| (friction.first + place, row)));
+        }
         Some(Self {
             interface,
             met,
-            rows: linearised.rows,
-            pressure: interface.own(&state.multiplier).into_owned(),
+            index,
+            rows,
             size: free.len(),
         })
     }
 
     /// -C^T l: what the obstacle exerts on the body.
-    pub(super) fn force(&self) -> Vec<f64> {
+    pub(super) fn force(&self, state: &State) -> Vec<f64> {
         let mut force = vec![0.0; self.size];
-        for (row, pressure) in self.rows.iter().zip(&self.pressure) {
+        for (place, row) in &self.rows {
             for (unknown, value) in row {
-                force[*unknown as usize] -= pressure * value;
+                force[*unknown as usize] -= state.multiplier[*place] * value;
             }
         }
         force
@@ -57,18 +69,35 @@ impl<'a> OwnContact<'a> {
 
     /// Adds `factor` C w to `all` multipliers.
     pub(super) fn add_work(&self, factor: f64, motion: &[f64], all: &mut [f64]) {
-        for (place, row) in self.interface.places().zip(&self.rows) {
+        for (place, row) in &self.rows {
             let terms = row
                 .iter()
                 .map(|(unknown, value)| value * motion[*unknown as usize]);
-            all[place] += factor * terms.sum::<f64>();
+            all[*place] += factor * terms.sum::<f64>();
         }
     }
 
-    /// K of its gaps under its pressure.
+    /// K of its gaps under its pressure and of its tangents under its tractions.
     pub(super) fn curvature(&self, model: &Model<'_>, state: &State) -> SparseRows {
         let body = model.deformed(&state.displacement);
-        let surface = (&self.interface.surface, &self.met, &self.pressure[..]);
-        curvature(&body, &[surface], &vec![false; self.size])
+        let pressure = self.interface.own(&state.multiplier);
+        let surface = (&self.interface.surface, &self.met, &pressure[..]);
+        let free = vec![false; self.size];
+        let own = curvature(&body, &[surface], &free);
+        let Some(friction) = &model.interfaces.friction else {
+            return own;
+        };
+        let mut alone = state.clone();
+        let width = friction.components.count();
+        for (number, point) in friction.points.iter().enumerate() {
+            if point.obstacle != self.index {
+                let first = friction.first + number * width;
+                alone.multiplier[first..first + width].fill(0.0);
+            }
+        }
+        match friction.turning_of((model, &alone), &free) {
+            Some(turning) => own.plus(&turning.geometric),
+            None => own,
+        }
     }
 }

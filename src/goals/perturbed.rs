@@ -32,6 +32,10 @@ pub(super) enum Place {
     Pose(usize, usize),
     /// Number of the obstacle, key.
     Shape(usize, String),
+    /// Number of the obstacle.
+    Friction(usize),
+    /// The same, with a given bound.
+    Tresca(usize),
     /// Of all loads.
     Load,
     /// Number of the pressure.
@@ -106,7 +110,13 @@ impl Change {
             Place::Pose(_, axis) if *axis >= 3 => OF_LENGTHS,
             Place::Pose(..) | Place::Support(..) => length,
             Place::Load => OF_CONSTANTS * state.drive.load.abs().max(1.0),
-            Place::Pressure(_) | Place::Traction(..) => OF_CONSTANTS * units.stress,
+            Place::Friction(index) => friction_step((model, state), *index).map_err(absent)?,
+            Place::Tresca(index) if model.plan.problem.obstacles[*index].tresca.is_none() => {
+                return Err(absent("the obstacle has no bound on its tractions"));
+            }
+            Place::Pressure(_) | Place::Traction(..) | Place::Tresca(_) => {
+                OF_CONSTANTS * units.stress
+            }
             Place::BodyForce(_) => OF_CONSTANTS * units.body_force(),
         };
         Ok(Self { place, text, step })
@@ -140,6 +150,14 @@ impl Change {
             Place::Shape(index, key) => changed.set_shape((*index, key), by).map_err(outside)?,
             Place::Pose(index, axis) => changed.set_pose(*index, *axis, by),
             Place::Load => changed.state.drive.load += by,
+            Place::Friction(index) => changed.state.drive.friction[*index] += by,
+            Place::Tresca(index) => {
+                let mut plan = model.plan.clone();
+                if let Some(bound) = &mut plan.problem.obstacles[*index].tresca {
+                    *bound += by;
+                }
+                changed.plan = Some(plan);
+            }
             Place::Pressure(index) => {
                 let mut plan = model.plan.clone();
                 plan.problem.resolved.pressures[*index].value += by;
@@ -255,6 +273,8 @@ fn place(model: &Model<'_>, parameter: &Parameter) -> Result<Place, GoalError> {
             obstacle: name,
             key,
         } => Place::Shape(obstacle(name)?, key.clone()),
+        Parameter::Friction { obstacle: name } => Place::Friction(obstacle(name)?),
+        Parameter::Tresca { obstacle: name } => Place::Tresca(obstacle(name)?),
         Parameter::Load => Place::Load,
         Parameter::Pressure { index } => {
             let is_there = *index < problem.resolved.pressures.len();
@@ -274,6 +294,16 @@ fn place(model: &Model<'_>, parameter: &Parameter) -> Result<Place, GoalError> {
             support_axis(model, parameter, (index, usize::from(*axis)))?
         }
     })
+}
+
+/// Step of a coefficient of friction; a cause where it has no derivative.
+fn friction_step((model, state): (&Model<'_>, &State), index: usize) -> Result<f64, &'static str> {
+    let is_given = model.plan.problem.obstacles[index].tresca.is_some();
+    match state.drive.friction.get(index) {
+        _ if is_given => Err("the bound of its tractions is given, not a multiple of the pressure"),
+        Some(&value) if value > 0.0 => Ok(OF_CONSTANTS * value),
+        _ => Err("the obstacle has no friction there, and which way it would slip is not known"),
+    }
 }
 
 /// The place of what a support prescribes.

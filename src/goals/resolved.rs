@@ -7,7 +7,7 @@
 //! ```
 //!
 //! w the rigid motion of the whole body that the goal does work on, of a support that of its
-//! nodes alone; K the curvature of the obstacle's gaps under its pressure, M the matrix of the
+//! nodes alone; K the curvature of the obstacle's gaps under its pressure with what turns its tractions, M the matrix of the
 //! dual problem with the rows and columns of what is held; [f x a] for moments about a only.
 //! Non-dimensional, all rows, held ones included. Cost: one pass over the obstacle's surface, of a
 //! support one product with the tangent besides.
@@ -171,7 +171,7 @@ impl ResolvedGoal {
             What::Force(index) | What::Moment(index) => {
                 let own = OwnContact::new(model, state, index);
                 own.map_or(0.0, |own| {
-                    dot(&own.force(), &self.motion(model, state, &own))
+                    dot(&own.force(state), &self.motion(model, state, &own))
                 })
             }
             What::Reaction(support) => {
@@ -216,7 +216,7 @@ impl ResolvedGoal {
             let mut about = [0.0; 3];
             about[self.axis] = 1.0;
             let c = model.prepared.space.components;
-            let forces = own.force();
+            let forces = own.force(state);
             let rows = out.displacement.chunks_exact_mut(c);
             for (own, force) in rows.zip(forces.chunks_exact(c)) {
                 let turned = cross(in_space(force), about);

@@ -92,7 +92,7 @@ fn add_follower(
     }
 }
 
-/// Adds C w, and takes the curvature of the gaps off.
+/// Adds C w, and takes the curvature of the gaps and what turns tractions off.
 fn add_contact(
     model: &Model<'_>,
     state: &State,
@@ -110,8 +110,19 @@ fn add_contact(
         }
         joined.add(interface, part);
     }
+    let friction = model.interfaces.friction.as_ref();
+    if let Some(friction) = friction {
+        joined.add_friction(friction, friction.linearised(model, state, &free));
+    }
     let (_, coupling) = joined.finish(motion.len());
     coupling.apply(motion, &mut out.multiplier, work);
+    let mut product = vec![0.0; motion.len()];
+    let turning = friction.and_then(|friction| friction.turning_of((model, state), &free));
+    if let Some(turning) = turning {
+        let turned = turning.geometric;
+        turned.apply_transposed(motion, &mut product, work);
+        add_scaled(&mut out.displacement, -1.0, &product);
+    }
     if model.is_linear() {
         return;
     }
@@ -122,7 +133,6 @@ fn add_contact(
     let surfaces = placed.iter().zip(&own);
     let surfaces = surfaces.map(|((one, met), own)| (&one.surface, met, &own[..]));
     let bent = curvature(&body, &surfaces.collect::<Vec<_>>(), &free);
-    let mut product = vec![0.0; motion.len()];
     bent.apply_transposed(motion, &mut product, work);
     add_scaled(&mut out.displacement, -1.0, &product);
 }

@@ -6,6 +6,8 @@
 //! | `obstacle.NAME.translation.x` | pose of an obstacle | length |
 //! | `obstacle.NAME.rotation.z` | the same, its rotation vector | radians |
 //! | `obstacle.NAME.radius` | a number of its shape; `centre.x` | its own |
+//! | `obstacle.NAME.friction` | its coefficient of friction, at the end of the increment | |
+//! | `obstacle.NAME.tresca` | the given bound of its tractions | stress |
 //! | `obstacle.NAME.force.y` | what the obstacle is pushed by, also `moment.z` | force |
 //! | `load` | factor of all loads | |
 //! | `pressure.0` | a follower pressure, by its place in the scene | stress |
@@ -48,6 +50,16 @@ pub enum Parameter {
         obstacle: String,
         /// The key; of points with the axis, `centre.x`.
         key: String,
+    },
+    /// An obstacle's coefficient of friction.
+    Friction {
+        /// The obstacle.
+        obstacle: String,
+    },
+    /// The given bound of an obstacle's tractions.
+    Tresca {
+        /// The obstacle.
+        obstacle: String,
     },
     /// The factor of all loads.
     Load,
@@ -152,6 +164,8 @@ fn of_obstacle(text: &str) -> Option<Parameter> {
     Some(match motion {
         Some(("translation" | "rotation", axis)) => Parameter::Pose { obstacle, axis },
         Some((_, axis)) => Parameter::Push { obstacle, axis },
+        None if key == "friction" => Parameter::Friction { obstacle },
+        None if key == "tresca" => Parameter::Tresca { obstacle },
         None => Parameter::Shape { obstacle, key },
     })
 }
@@ -173,6 +187,8 @@ impl fmt::Display for Parameter {
                 write!(out, "obstacle.{obstacle}.{key}")
             }
             Self::Shape { obstacle, key } => write!(out, "obstacle.{obstacle}.{key}"),
+            Self::Friction { obstacle } => write!(out, "obstacle.{obstacle}.friction"),
+            Self::Tresca { obstacle } => write!(out, "obstacle.{obstacle}.tresca"),
             Self::Load => write!(out, "load"),
             Self::Pressure { index } => write!(out, "pressure.{index}"),
             Self::Traction { item, axis } => write!(out, "traction.{item}.{}", axis_name(*axis)),
@@ -198,6 +214,8 @@ mod tests {
             "obstacle.ball.radius",
             "obstacle.ball.centre.x",
             "obstacle.lid.force.y",
+            "obstacle.lid.friction",
+            "obstacle.lid.tresca",
             "load",
             "pressure.0",
             "traction.side.x",

@@ -20,7 +20,7 @@ impl Session {
         questions: &GoalQuestions,
         cancel: &CancelToken,
     ) -> Result<Vec<GoalReport>, GoalError> {
-        let at = (&self.state, &self.learned);
+        let at = (self.previous.as_ref(), &self.state, &self.learned);
         self.body
             .answer(at, std::slice::from_ref(questions), cancel)
     }
@@ -33,8 +33,22 @@ impl Session {
             return;
         }
         let start = std::time::Instant::now();
-        let at = (&self.state, &self.learned);
-        match self.body.answer(at, questions, cancel) {
+        let at = (self.previous.as_ref(), &self.state, &self.learned);
+        let answered = self.body.answer(at, questions, cancel);
+        let answered = match answered {
+            // Values and bounds are those of the last increment's own problem.
+            Err(error @ GoalError::NeedsHistory(_)) => {
+                report.goals_refused = Some(error.to_string());
+                let without = |one: &GoalQuestions| GoalQuestions {
+                    parameters: Vec::new(),
+                    ..one.clone()
+                };
+                let questions: Vec<GoalQuestions> = questions.iter().map(without).collect();
+                self.body.answer(at, &questions, cancel)
+            }
+            other => other,
+        };
+        match answered {
             Ok(goals) => {
                 report.warnings.extend(one_sided(&goals));
                 let mut bounds = goals.iter().filter_map(|goal| goal.bound.as_ref());
@@ -70,7 +84,7 @@ fn one_sided(goals: &[GoalReport]) -> Option<Warning> {
     let at_border = |goal: &&GoalReport| goal.borderline > 0 && !goal.derivatives.is_empty();
     let count = goals.iter().find(at_border)?.borderline;
     let message = format!(
-        "{count} contacts are about to close or to open: derivatives of goals are one-sided, those \
+        "{count} contacts are about to close, to open, to stick or to slip: derivatives of goals are one-sided, those \
          with the contacts as they are"
     );
     let value = Some(f64::from(count));

@@ -203,13 +203,14 @@ impl TaylorHoodBody {
         report.compliance_columns = self.prepared.at_rest.compliance.columns() as u32;
     }
 
-    /// Answers questions about `state` with a copy of what the solver has learnt on the way there.
+    /// Answers questions about `state` with a copy of what the solver has learnt on the way there;
+    /// `before` is where its increment began.
     ///
     /// # Errors
     /// [`GoalError`].
     pub(super) fn answer(
         &self,
-        (state, learned): (&State, &Learned),
+        (before, state, learned): (Option<&State>, &State, &Learned),
         questions: &[GoalQuestions],
         cancel: &CancelToken,
     ) -> Result<Vec<GoalReport>, GoalError> {
@@ -226,7 +227,10 @@ impl TaylorHoodBody {
             counters: Counters::new(),
             work: Workspace::new(),
         };
-        goals::answer(&mut self.run(&mut increment), questions)
+        let mut run = self.run(&mut increment);
+        let start = before.filter(|_| self.interfaces.friction.is_some());
+        run.model.conditions = self.conditions(start.map(|start| SlipStart::at(start).into()));
+        goals::answer(&mut run, questions)
     }
 
     /// Parts of the cells over their undeformed volumes, areas in two dimensions, in the caller's units.

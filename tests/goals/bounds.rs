@@ -12,7 +12,7 @@ use signorini::{CancelToken, Mesh, Scene, Step};
 const GOALS: [&str; 2] = ["force.ball.y", "reaction.base.x"];
 
 /// A block in plane strain, bonded below, under a ball off its middle.
-fn block(body: Scene, depth: f64, increments: u32) -> (Scene, Step) {
+pub(crate) fn block(body: Scene, depth: f64, increments: u32) -> (Scene, Step) {
     let mut scene = body;
     scene.solver.verify = false;
     scene.supports = vec![support("y0", HELD)];
@@ -28,11 +28,14 @@ fn block(body: Scene, depth: f64, increments: u32) -> (Scene, Step) {
     (scene, step)
 }
 
-fn asked(problem: &(Scene, Step), mesh: &Arc<Mesh>) -> Vec<GoalReport> {
+pub(crate) fn asked(goals: &[&str], problem: &(Scene, Step), mesh: &Arc<Mesh>) -> Vec<GoalReport> {
     let (session, reports) = run(&problem.0, std::slice::from_ref(&problem.1), mesh);
     reports.iter().for_each(assert_converged);
     let questions = GoalQuestions {
-        goals: GOALS.map(|text| text.parse().expect("a goal")).to_vec(),
+        goals: goals
+            .iter()
+            .map(|text| text.parse().expect("a goal"))
+            .collect(),
         errors: GoalErrors::Bounded,
         ..GoalQuestions::default()
     };
@@ -41,9 +44,12 @@ fn asked(problem: &(Scene, Step), mesh: &Arc<Mesh>) -> Vec<GoalReport> {
 }
 
 fn assert_bounded(problem: &(Scene, Step)) {
-    let reference = asked(problem, &mesh(square(48)));
+    let reference = asked(&GOALS, problem, &mesh(square(48)));
     for count in [6, 12] {
-        for (own, exact) in asked(problem, &mesh(square(count))).iter().zip(&reference) {
+        for (own, exact) in asked(&GOALS, problem, &mesh(square(count)))
+            .iter()
+            .zip(&reference)
+        {
             let bound = own.bound.as_ref().expect("a bound");
             let error = (exact.value - own.value).abs();
             let ratios = [
@@ -86,9 +92,9 @@ fn the_bound_sees_the_edges_of_a_punch_inside_faces() {
         rounding: 0.0,
     };
     let problem = (scene, step);
-    let exact = asked(&problem, &mesh(square(60)))[0].value;
+    let exact = asked(&GOALS, &problem, &mesh(square(60)))[0].value;
     for count in [5, 8] {
-        let own = &asked(&problem, &mesh(square(count)))[0];
+        let own = &asked(&GOALS, &problem, &mesh(square(count)))[0];
         let (error, bound) = (exact - own.value, own.bound.as_ref().expect("a bound"));
         let told = (count, bound.estimate / error, bound.total() / error.abs());
         assert!(error.abs() > 0.05 * exact.abs(), "{told:?}");
@@ -101,7 +107,7 @@ fn the_bound_sees_the_edges_of_a_punch_inside_faces() {
 fn the_bound_falls_with_the_mesh() {
     let problem = block(rubber(mooney_rivlin(), Some(30.0)), 0.1, 2);
     let [coarse, fine] = [5, 10].map(|count| {
-        let found = asked(&problem, &mesh(square(count)));
+        let found = asked(&GOALS, &problem, &mesh(square(count)));
         found[0].bound.as_ref().expect("a bound").discretisation
     });
     assert!(fine < 0.6 * coarse, "{coarse} {fine}");

@@ -18,21 +18,21 @@ use signorini::{CancelToken, FieldName, Mesh, Scene, Session, Step};
 
 /// A problem whose last increment is asked about.
 #[derive(Clone)]
-struct Problem {
-    scene: Scene,
-    steps: Vec<Step>,
-    mesh: Arc<Mesh>,
+pub(crate) struct Problem {
+    pub(crate) scene: Scene,
+    pub(crate) steps: Vec<Step>,
+    pub(crate) mesh: Arc<Mesh>,
 }
 
 impl Problem {
-    fn solved(&self) -> Session {
+    pub(crate) fn solved(&self) -> Session {
         let (session, reports) = run(&self.scene, &self.steps, &self.mesh);
         reports.iter().for_each(assert_converged);
         session
     }
 
     /// Values and derivatives.
-    fn ask(&self, goals: &[&str], parameters: &[&str]) -> Vec<GoalReport> {
+    pub(crate) fn ask(&self, goals: &[&str], parameters: &[&str]) -> Vec<GoalReport> {
         ask(&self.solved(), goals, parameters)
     }
 
@@ -42,7 +42,7 @@ impl Problem {
     }
 }
 
-fn ask(session: &Session, goals: &[&str], parameters: &[&str]) -> Vec<GoalReport> {
+pub(crate) fn ask(session: &Session, goals: &[&str], parameters: &[&str]) -> Vec<GoalReport> {
     let questions = GoalQuestions {
         goals: goals
             .iter()
@@ -59,7 +59,7 @@ fn ask(session: &Session, goals: &[&str], parameters: &[&str]) -> Vec<GoalReport
 }
 
 /// Rubber, bonded below, under a ball and beside a bar: in the plane or in space.
-fn pressed(dimension: usize, bulk_modulus: Option<f64>) -> Problem {
+pub(crate) fn pressed(dimension: usize, bulk_modulus: Option<f64>) -> Problem {
     let mut scene = rubber(mooney_rivlin(), bulk_modulus);
     scene.solver.verify = false;
     scene.solver.tolerance = 1e-12;
@@ -105,7 +105,7 @@ fn pressed(dimension: usize, bulk_modulus: Option<f64>) -> Problem {
 }
 
 /// A linear block under the same.
-fn linear(dimension: usize, poisson_ratio: f64) -> Problem {
+pub(crate) fn linear(dimension: usize, poisson_ratio: f64) -> Problem {
     let mut problem = pressed(dimension, None);
     problem.scene.materials = elastic(poisson_ratio).materials;
     problem.scene.tractions = vec![traction("x0", [0.03, -0.02, 0.0])];
@@ -145,7 +145,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Asserts that derivatives agree with central differences of whole solves.
-fn assert_differences(problem: &Problem, goals: &[&str], changes: &[Change<'_>]) {
+pub(crate) fn assert_differences(problem: &Problem, goals: &[&str], changes: &[Change<'_>]) {
     let names: Vec<&str> = changes.iter().map(|change| change.0).collect();
     let found = problem.ask(goals, &names);
     for (place, (name, step, change)) in changes.iter().enumerate() {
@@ -169,9 +169,9 @@ fn assert_differences(problem: &Problem, goals: &[&str], changes: &[Change<'_>])
 }
 
 /// Name, step, and what the step does to a problem.
-type Change<'a> = (&'a str, f64, &'a dyn Fn(&mut Problem, f64));
+pub(crate) type Change<'a> = (&'a str, f64, &'a dyn Fn(&mut Problem, f64));
 
-fn set_c10(problem: &mut Problem, by: f64) {
+pub(crate) fn set_c10(problem: &mut Problem, by: f64) {
     if let MaterialModel::Rubber {
         model: RubberModel::MooneyRivlin { c10, .. },
         ..
@@ -191,13 +191,13 @@ fn set_bulk(problem: &mut Problem, by: f64) {
     }
 }
 
-fn set_radius(problem: &mut Problem, by: f64) {
+pub(crate) fn set_radius(problem: &mut Problem, by: f64) {
     if let Shape::Sphere { radius, .. } = &mut problem.scene.obstacles[0].shape {
         *radius += by;
     }
 }
 
-fn set_height(dimension: usize) -> impl Fn(&mut Problem, f64) {
+pub(crate) fn set_height(dimension: usize) -> impl Fn(&mut Problem, f64) {
     move |problem: &mut Problem, by: f64| {
         let target = &mut problem.steps[0].obstacles[0];
         if let Some(translation) = &mut target.translation {

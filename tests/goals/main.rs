@@ -5,6 +5,7 @@ mod common;
 
 mod adapted;
 mod bounds;
+mod friction;
 mod gradients;
 mod refusals;
 mod scenes;

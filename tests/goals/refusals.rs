@@ -1,12 +1,14 @@
 //! What has no answer is refused with its cause.
 
+use std::sync::Arc;
+
 use crate::common::meshes::{irregular, mesh, square};
 use crate::common::run;
 use crate::common::scenes::{HELD, mooney_rivlin, obstacle, push, rubber, support};
 use signorini::scene::{GoalQuestions, Shape};
-use signorini::{CancelToken, GoalError, Scene, Session};
+use signorini::{CancelToken, GoalError, Mesh, Plan, Prepared, Reuse, Scene, Session};
 
-fn block(friction: f64) -> Session {
+fn scene(friction: f64) -> Scene {
     let mut scene: Scene = rubber(mooney_rivlin(), None);
     scene.supports = vec![support("y0", HELD)];
     scene.supports[0].displacement[2] = None;
@@ -16,8 +18,19 @@ fn block(friction: f64) -> Session {
     };
     scene.obstacles = vec![obstacle("ball", "y1", shape)];
     scene.obstacles[0].friction = friction;
+    scene
+}
+
+fn block(friction: f64) -> Session {
     let step = push("ball", [0.0, -0.05, 0.0]);
-    run(&scene, &[step], &mesh(irregular(square(4), 4))).0
+    run(&scene(friction), &[step], &mesh(irregular(square(4), 4))).0
+}
+
+fn parts(friction: f64) -> (Arc<Plan>, Arc<Mesh>, Arc<Prepared>) {
+    let mesh = mesh(irregular(square(4), 4));
+    let plan = Arc::new(Plan::new(&scene(friction), &[], &mesh).expect("a plan"));
+    let prepared = Prepared::build(&plan, &mesh, &CancelToken::new()).expect("prepared");
+    (plan, mesh, Arc::new(prepared))
 }
 
 fn refused(session: &Session, goal: &str, parameters: &[&str]) -> GoalError {
@@ -34,9 +47,13 @@ fn refused(session: &Session, goal: &str, parameters: &[&str]) -> GoalError {
 }
 
 #[test]
-fn bodies_with_friction_depend_on_their_way() {
-    let error = refused(&block(0.3), "force.ball.y", &[]);
-    assert_eq!(error, GoalError::NeedsHistory("friction"));
+fn what_friction_counts_from_is_in_no_checkpoint() {
+    let mut session = block(0.3);
+    let bytes = session.export();
+    let (plan, mesh, prepared) = parts(0.3);
+    let again = Session::import(plan, mesh, prepared, Reuse::Reused, &bytes).expect("a session");
+    let error = refused(&again, "force.ball.y", &[]);
+    assert_eq!(error, GoalError::UnknownStart);
 }
 
 #[test]

@@ -146,11 +146,11 @@ fn a_force_is_told_with_a_bound_that_a_finer_mesh_keeps() {
 
 #[test]
 fn scenes_with_history_and_names_that_are_not_there_are_refused_by_their_keys() {
-    let slide = example("slide-block.toml");
-    let refused = run(["solve", slide.to_str().unwrap(), "--accuracy"]);
+    let leak = example("kiss-seal.toml");
+    let refused = run(["solve", leak.to_str().unwrap(), "--accuracy"]);
     assert_ne!(refused.code, Some(0));
     assert!(refused.stderr.contains("accuracy: "), "{}", refused.stderr);
-    assert!(refused.stderr.contains("friction"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("fluids"), "{}", refused.stderr);
     let bush = example("bush.toml");
     let without = run(["solve", bush.to_str().unwrap(), "--accuracy"]);
     assert_eq!(without.code, Some(2), "{}", without.stderr);

@@ -55,28 +55,14 @@ fn check_one(
             faults.add(format!("{path}.to"), format!("`{parameter}`: {lacking}"));
         }
     }
-    if let Some(cause) = history(scene) {
-        let message = format!(
-            "the scene has {cause}: its state depends on its way, and derivatives of the last \
-             increment alone would be wrong"
-        );
+    if !scene.fluids.is_empty() {
+        let message = "the scene has fluids: its state depends on its way, and derivatives of the \
+                       last increment alone would be wrong";
         faults.unsupported(path, message);
     }
     if !scene.contacts.is_empty() {
         let message = "derivatives where bodies touch each other are not solved yet";
         faults.unsupported(path, message);
-    }
-}
-
-/// What makes a state depend on its way; none where nothing does.
-fn history(scene: &Scene) -> Option<&'static str> {
-    let mut obstacles = scene.obstacles.iter();
-    if obstacles.any(|one| one.friction != 0.0 || one.tresca.is_some()) {
-        Some("friction")
-    } else if scene.fluids.is_empty() {
-        None
-    } else {
-        Some("fluids")
     }
 }
 
@@ -110,6 +96,20 @@ fn lacking(scene: &Scene, parameter: &Parameter) -> Option<&'static str> {
             has_obstacle(scene, obstacle),
             "the scene has no obstacle of that name",
         ),
+        Parameter::Friction { obstacle } => unless(
+            has_obstacle(scene, obstacle),
+            "the scene has no obstacle of that name",
+        ),
+        Parameter::Tresca { obstacle } => {
+            let mut all = scene.obstacles.iter();
+            match all.find(|one| one.name == *obstacle) {
+                None => Some("the scene has no obstacle of that name"),
+                Some(one) => unless(
+                    one.tresca.is_some(),
+                    "the obstacle has no bound on its tractions",
+                ),
+            }
+        }
         Parameter::Shape { obstacle, key } => {
             let mut all = scene.obstacles.iter();
             match all.find(|one| one.name == *obstacle) {
