@@ -31,9 +31,9 @@ use crate::model::push::Control;
 use crate::plan::Units;
 use crate::report::{Cause, Termination};
 use crate::results::exerted::applied;
-use crate::sqp::accuracy;
 use crate::sqp::push_stiffness::PushStiffness;
 use crate::sqp::run::Run;
+use crate::sqp::{accuracy, increment};
 use broyden::{BroydenIterate, Progress, Stall};
 use by_difference::by_difference;
 use by_metric::by_metric;
@@ -208,7 +208,8 @@ impl Balance {
             add_scaled(&mut step, 1.0, &rolling);
         }
         self.tolerance = COARSE.max(self.floor);
-        BroydenIterate::new(step, before, self.is_only_pushed(run))
+        let tells = self.is_only_pushed(run) && self.is_balanced(run);
+        BroydenIterate::new(step, before, tells)
     }
 
     /// The start after obstacles that were led to the body and take `step` into it.
@@ -308,6 +309,15 @@ impl Balance {
             ..run.state.drive.clone()
         };
         now == self.drive
+    }
+
+    /// Whether the state is in equilibrium at its poses, which one that comes from a coarser mesh is not: its
+    /// forces then change whatever the step.
+    fn is_balanced(&self, run: &mut Run<'_>) -> bool {
+        let (now, scales) = (run.evaluate(), run.state.scales);
+        let left = increment::residuals(run.state, &now, run.state.force_scale);
+        run.state.scales = scales;
+        left.largest() <= COARSE.max(self.floor)
     }
 
     /// Takes over what a step has changed; nothing of one that says nothing of the stiffness,

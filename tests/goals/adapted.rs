@@ -11,7 +11,7 @@ use signorini::adapted::{
     Accuracy, AccuracyLimits, Adapted, AdaptionError, End, Problem, Round, Target, Watch, adapt,
 };
 use signorini::report::Silent;
-use signorini::scene::{Shape, SurfaceGeometry};
+use signorini::scene::{Probe, Shape, SurfaceGeometry};
 use signorini::{CancelToken, Mesh, Scene, Step};
 
 /// A block bonded below, under a ball off its middle.
@@ -255,4 +255,23 @@ fn the_same_request_gives_the_same_bits() {
         rounds.iter().map(value).collect::<Vec<_>>()
     });
     assert_eq!(one, other);
+}
+
+/// A pushed tool: its force is given, its pose follows on every mesh, and a probe below it is known as
+/// well as was asked. Reference: the same within a tenth.
+#[test]
+fn a_displacement_under_a_pushed_ball_is_reached() {
+    let mut problem = block(elastic(0.3), 0.0, 1);
+    problem.step.obstacles[0].translation = None;
+    problem.step.obstacles[0].force = [None, Some(-0.1), None];
+    problem.scene.probes = vec![Probe {
+        name: "mid".to_owned(),
+        point: [0.4, 0.8, 0.0],
+    }];
+    problem.goal = "displacement.mid.y";
+    let start = mesh(square(4));
+    let fine = problem.adapted(&start, 1e-4).expect("a result");
+    let exact = last(&fine).goals[0].value;
+    let found = problem.adapted(&start, 1e-3).expect("a result");
+    assert_within(&found, (exact, 1e-3), 4000);
 }
