@@ -111,3 +111,20 @@ def of(table):
     ratio = table["poisson_ratio"]
     shear = table.get("shear_modulus") or 0.5 * table["young_modulus"] / (1.0 + ratio)
     return Linear(shear, (1.0 - 2.0 * ratio) / (2.0 * shear * ratio) if ratio else float("inf"))
+
+
+# Least Poisson ratio of a linear part beside rubber.
+LEAST_RATIO = 0.01
+
+
+def of_all(tables):
+    """The laws of all materials by group: beside rubber linear parts are neo-Hookean, K = lambda + 2 mu / 3."""
+    laws = {name: of(table) for name, table in tables.items()}
+    if not any(law.is_rubber for law in laws.values()):
+        return laws
+    for name, law in laws.items():
+        if not law.is_rubber:
+            ratio = max(tables[name]["poisson_ratio"], LEAST_RATIO)
+            bulk = 2.0 * law.shear * (1.0 + ratio) / (3.0 * (1.0 - 2.0 * ratio)) if ratio < 0.5 else float("inf")
+            laws[name] = MooneyRivlin(0.5 * law.shear, 0.0, 1.0 / bulk)
+    return laws

@@ -25,7 +25,10 @@ class Factor:
     def __init__(self, matrix):
         self.matrix = matrix.tocsr()
         if PyPardisoSolver is None:
-            self.own = spl.splu(self.matrix.tocsc())
+            try:
+                self.own = spl.splu(self.matrix.tocsc())
+            except RuntimeError as fault:
+                raise np.linalg.LinAlgError(str(fault)) from None
             return
         self.own = new_solver()
         # Own parameters; scaling, matching and Bunch-Kaufman pivots for saddle points; refinement; inertia.
@@ -67,6 +70,19 @@ class Factor:
     def free(self):
         if PyPardisoSolver is not None:
             self.own.free_memory(everything=True)
+
+
+def general(matrix, right):
+    """The solution of an unsymmetric system, refined."""
+    matrix = matrix.tocsc()
+    try:
+        factor = spl.splu(matrix)
+    except RuntimeError as fault:
+        raise np.linalg.LinAlgError(str(fault)) from None
+    found = factor.solve(right)
+    for _ in range(REFINEMENTS):
+        found = found + factor.solve(right - matrix @ found)
+    return found
 
 
 @functools.cache

@@ -15,6 +15,7 @@ MOST_ITERATIONS = 30
 TOLERANCE = 1e-11
 # Residual at which an iteration that no longer improves ends.
 ROUNDED = 1e-8
+UNIT = 1e-13
 # Least multiplier over the largest, and least mean penetration over the length, that have a sign.
 SIGN = 1e-12
 LEAST_PART = 1.0 / 128.0
@@ -46,6 +47,8 @@ class Solver:
         span = np.ptp(problem.mesh.points, axis=0).max()
         self.shear = max(law.shear for law in problem.laws.values())
         self.length, self.iterations = span, 0
+        # The forces of the stiffest body, rounded, over those of the softest.
+        self.rounded = max(ROUNDED, UNIT * self.shear / min(law.shear for law in problem.laws.values()))
 
     def rest(self):
         count = self.surface.multipliers
@@ -87,7 +90,7 @@ class Solver:
             chosen = self.choose(state, gaps, seen)
             error = self.error(state, drive, (body, gaps, coupling))
             is_same = (chosen == state.active).all()
-            if is_same and (error <= TOLERANCE or (error <= ROUNDED and error > 0.5 * best)):
+            if is_same and (error <= TOLERANCE or (error <= self.rounded and error > 0.5 * best)):
                 return state
             best = min(best, error) if is_same else np.inf
             state.active = chosen

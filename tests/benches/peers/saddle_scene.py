@@ -49,7 +49,7 @@ class Problem:
         self.mesh = saddle_mesh.read(mesh, scene.get("mesh_scale", 1.0))
         solver = scene.get("solver", {})
         materials = scene["material"]
-        self.laws = {name: saddle_law.of(table) for name, table in materials.items()}
+        self.laws = saddle_law.of_all(materials)
         self.is_rubber = any(law.is_rubber for law in self.laws.values())
         mixed = any(is_mixed(table) for table in materials.values())
         if not mixed:
