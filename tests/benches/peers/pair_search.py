@@ -1,0 +1,200 @@
+"""Surfaces in the plane as rows of faces, and which parts of their faces meet which faces of another surface.
+
+Rules (src/pairs, decision 67), found here by looking at everything:
+
+* bodies lie to the left of their faces; faces that turn by at most 30 degrees at a common vertex share its normal;
+* an end that supports hold in one component, about along the face, has the normal of that wall, of a carrier;
+* the other surface goes on beyond its ends and corners by 0.3 of the last face;
+* pieces end where a ray passes an end of a face of the other surface; the partner is the nearest one on the ray from
+  the middle, met at a cosine of at least 0.2, at most a quarter of the extent of the smaller surface inside and twice
+  that open; faces of which no piece is within once that have none.
+"""
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from pair_gap import FACE, NOTHING, WALL, Pieces, cross, dot, point, right, slope, tangents, unit
+
+SMOOTH, BEYOND, GRAZING, REACH, WIDE = 0.866, 0.3, 0.2, 0.25, 2.0
+# Shorter pieces are left out; hits may miss an end by rounding.
+SHORTEST, MISSED = 1e-12, 1e-9
+
+
+@dataclass
+class Chain:
+    """Nodes [f, 3]; outer end and middle of the neighbours before and after, -1 without [f, 2, 2]; what is beside
+    [f, 2]; tangents of walls [f, 2, i]."""
+
+    nodes: np.ndarray
+    neighbours: np.ndarray
+    beside: np.ndarray
+    walls: np.ndarray
+
+    def ranges(self):
+        """Part of each face's line that counts [f, 2]."""
+        open_ends = self.neighbours[:, :, 0] < 0
+        return np.array([0.0, 1.0]) + open_ends * np.array([-BEYOND, BEYOND])
+
+
+def chain(mesh, facets, held=None):
+    """Of facets [f, 2]; `held[dof]` tells what supports hold, of a carrier."""
+    nodes = mesh.facet_nodes(outward(mesh, facets))
+    corners = mesh.nodes[nodes]
+    at = np.ones(len(nodes))
+    starts, ends = unit(slope(corners, 0 * at)), unit(slope(corners, at))
+    first, last = by_vertex(nodes[:, 0]), by_vertex(nodes[:, 1])
+    neighbours = np.full((len(nodes), 2, 2), -1)
+    for f, (a, b, _) in enumerate(nodes):
+        before, after = last.get(a), first.get(b)
+        if before is not None and ends[before] @ starts[f] >= SMOOTH:
+            neighbours[f, 0] = nodes[before, 0], nodes[before, 2]
+        if after is not None and ends[f] @ starts[after] >= SMOOTH:
+            neighbours[f, 1] = nodes[after, 1], nodes[after, 2]
+    beside = np.where(neighbours[:, :, 0] >= 0, FACE, NOTHING)
+    walls = np.zeros((len(nodes), 2, 2))
+    if held is not None:
+        add_walls(unit(corners[:, 1] - corners[:, 0]), held[2 * nodes[:, :2, None] + np.arange(2)], beside, walls)
+    return Chain(nodes, neighbours, beside, walls)
+
+
+def add_walls(along, held, beside, walls):
+    for f, end in zip(*np.nonzero((held.sum(axis=2) == 1) & (beside == NOTHING))):
+        axis = int(held[f, end].argmax())
+        if abs(along[f, axis]) >= SMOOTH:
+            beside[f, end] = WALL
+            walls[f, end, axis] = np.sign(along[f, axis])
+
+
+def outward(mesh, facets):
+    """Facets with the body on their left."""
+    beyond = {}
+    for cell in mesh.cells.tolist():
+        for k in range(3):
+            beyond.setdefault(frozenset(cell[:k] + cell[k + 1 :]), cell[k])
+    turned = []
+    for a, b in facets.tolist():
+        inner = mesh.points[beyond[frozenset((a, b))]]
+        is_left = cross(mesh.points[b] - mesh.points[a], inner - mesh.points[a]) > 0
+        turned.append((a, b) if is_left else (b, a))
+    return np.array(turned)
+
+
+def by_vertex(vertices):
+    """Number of the face at each vertex; none where there are several."""
+    at = {}
+    for face, vertex in enumerate(vertices.tolist()):
+        at[vertex] = None if vertex in at else face
+    return at
+
+
+class Meetings:
+    """Who meets whom where nodes are at `places` [nodes, i]."""
+
+    def __init__(self, carrier, other, places):
+        self.carrier, self.other = carrier, other
+        own, ranges = places[carrier.nodes], other.ranges()
+        self.partners, self.ranges = places[other.nodes], ranges
+        self.reach = REACH * min(diagonal(own[:, :2].reshape(-1, 2)), diagonal(hull(self.partners, ranges)))
+        self.own, self.tangents = own, tangents(places[self.nodes(np.arange(len(own)))], carrier.beside, carrier.walls)
+        self.pieces = self.find()
+
+    def nodes(self, face, other=None):
+        """Nodes of pieces [m, 10]; a face's own stand for those that are not there."""
+        own = self.carrier.nodes[face]
+        beside = np.where(self.carrier.neighbours[face] >= 0, self.carrier.neighbours[face], own[:, None, [0, 2]])
+        partner = own if other is None else self.other.nodes[other]
+        return np.concatenate([own, beside.reshape(-1, 4), partner], axis=1)
+
+    def find(self):
+        rows = [row for face in range(len(self.own)) for row in self.of_face(face)]
+        face, other, ends, opposite = (list(column) for column in zip(*rows)) if rows else ([], [], [], [])
+        face = np.array(face, dtype=int)
+        return Pieces(
+            face, np.array(other, dtype=int), self.carrier.beside[face], self.carrier.walls[face],
+            np.array(ends, dtype=float).reshape(-1, 2), np.array(opposite, dtype=float).reshape(-1, 2),
+        )
+
+    def of_face(self, face):
+        """(face, partner, ends, opposite places) along a face."""
+        breaks = self.breaks(face)
+        marks = np.unique([0.0, 1.0, *(s for s, _, _ in breaks)])
+        spans = [(a, b) for a, b in itertools.pairwise(marks) if b - a > SHORTEST]
+        runs, is_near = [], False
+        for (first, last), (partner, gap) in zip(spans, self.nearest(face, np.array(spans).mean(axis=1))):
+            if partner < 0:
+                continue
+            is_near |= gap <= self.reach
+            if runs and runs[-1][0] == partner and first - runs[-1][2] <= SHORTEST:
+                runs[-1][2] = last
+            else:
+                runs.append([partner, first, last])
+        for partner, *ends in runs if is_near else []:
+            places = [self.opposite(s, partner, breaks) for s in ends]
+            yield face, partner, [s for s, _ in places], [r for _, r in places]
+
+    def opposite(self, s, partner, breaks):
+        """An end with the place of the partner that it is opposite to."""
+        if s <= SHORTEST or s >= 1.0 - SHORTEST:
+            return float(round(s)), np.nan
+        near = [(abs(t - s), t, r) for t, of, r in breaks if of == partner and abs(t - s) <= MISSED]
+        return min(near)[1:] if near else (s, np.nan)
+
+    def breaks(self, face):
+        """(s, partner, r) where rays of the face pass ends of partners: roots of T.(x - y(r)), a cubic in s."""
+        a, b, m = self.own[face]
+        t0, t1 = self.tangents[face]
+        line = [a, 4 * m - 3 * a - b, 2 * a + 2 * b - 4 * m]
+        found = []
+        ends = point(self.partners, self.ranges)
+        zero = (a - ends) @ t0
+        one = line[1] @ t0 + (a - ends) @ (t1 - t0)
+        two, three = line[2] @ t0 + line[1] @ (t1 - t0), line[2] @ (t1 - t0)
+        # By Bernstein's coefficients most of them have no root in (0, 1).
+        hulls = np.stack([zero, zero + one / 3, zero + 2 * one / 3 + two / 3, zero + one + two + three])
+        for partner, end in zip(*np.nonzero((hulls.max(axis=0) > 0) & (hulls.min(axis=0) < 0))):
+            k = np.array([three, two, one[partner, end], zero[partner, end]])
+            k[:2][np.abs(k[:2]) < 1e-14 * np.abs(k).max()] = 0.0
+            roots = np.roots(np.trim_zeros(k, "f"))
+            for s in roots[np.abs(roots.imag) < 1e-9].real:
+                for _ in range(2):
+                    s = s - np.polyval(k, s) / np.polyval(np.polyder(k), s)
+                if 0.0 < s < 1.0:
+                    found.append((float(s), int(partner), float(self.ranges[partner, end])))
+        return found
+
+    def nearest(self, face, s):
+        """(partner or -1, distance) on the rays from s [k]."""
+        x = point(self.own[face][None].repeat(len(s), axis=0), s)
+        t0, t1 = self.tangents[face]
+        t = t0 + s[:, None] * (t1 - t0)
+        n = right(t)
+        size = np.linalg.norm(n, axis=1)
+        c, d, m = (self.partners[:, k] for k in range(3))
+        # t.(x - y(r)) = 0, the root that stays where the partner is straight.
+        quadratic = [t @ c.T - dot(t, x)[:, None], t @ (4 * m - 3 * c - d).T, t @ (2 * c + 2 * d - 4 * m).T]
+        with np.errstate(all="ignore"):
+            root = np.sqrt(quadratic[1] ** 2 - 4 * quadratic[2] * quadratic[0])
+            r = -2 * quadratic[0] / (quadratic[1] + np.copysign(root, quadratic[1]))
+            y, along = (of(self.partners[None].repeat(len(s), axis=0), r) for of in (point, slope))
+            gap = np.einsum("ki,kpi->kp", n, y - x[:, None]) / size[:, None]
+            cosine = cross(n[:, None], along) / (size[:, None] * np.linalg.norm(along, axis=2))
+            fits = (r >= self.ranges[:, 0] - MISSED) & (r <= self.ranges[:, 1] + MISSED) & (cosine <= -GRAZING)
+            fits &= (gap <= WIDE * self.reach) & (-gap <= self.reach)
+        away = np.where(fits, np.abs(gap), np.inf)
+        best = away.argmin(axis=1)
+        row = np.arange(len(s))
+        return [(int(p), gap[k, p]) if away[k, p] < np.inf else (-1, np.inf) for k, p in zip(row, best)]
+
+
+def diagonal(points):
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
+def hull(partners, ranges):
+    """Control points of the parts of parabolas that count."""
+    ends = point(partners, ranges)
+    first = slope(partners, ranges[:, 0])
+    control = ends[:, 0] + 0.5 * (ranges[:, 1] - ranges[:, 0])[:, None] * first
+    return np.concatenate([ends.reshape(-1, 2), control])
+
