@@ -1,0 +1,203 @@
+"""Multipliers between bodies: lambda = sum Lam_j psi_j on a carrier, G_j >= 0 the volume between the surfaces.
+
+Functions are L^2 and 2 La Lb at the nodes of the carrier, one a node and side of a corner of more than 30 degrees; a
+function whose node supports hold along the normals of its faces goes in equal parts to the nearest others of them.
+Linear bodies have G and dG where they are at rest; a function of which less than a thousandth has a partner has no
+row. The interface is that of `saddle_surface`, so that `saddle_newton` solves with it.
+"""
+import numpy as np
+import scipy.sparse as sp
+
+from pair_gap import Volume, bernstein, gauss, point, slope
+from pair_search import SMOOTH, Meetings, chain
+from saddle_surface import matrix
+
+LEAST_COVERED = 1e-3
+HELD_ALONG, EQUAL = 1e-9, 1e-6
+
+
+class Pair:
+    """One contact: facets of the carrier and of the other surface."""
+
+    def __init__(self, name, mesh, sides, held, options):
+        self.name, self.mesh = name, mesh
+        self.is_rubber, self.revolved, self.points = options
+        self.carrier, self.other = chain(mesh, sides[0], held), chain(mesh, sides[1])
+        self.functions, around = functions(mesh, self.carrier)
+        self.merge = given_away(mesh, self.carrier, (self.functions, around), held)
+        self.multipliers = len(self.merge)
+        self.unknowns = 2 * len(mesh.nodes)
+        _, self.areas = self.covered(mesh.nodes, Meetings(self.carrier, self.other, mesh.nodes).pieces)
+        self.rest = None if self.is_rubber else self.linear(mesh.nodes)
+
+    def gathered(self, of_faces, faces):
+        """Sums of functions from those of faces [m, 3]."""
+        sums = np.zeros(self.functions.max() + 1)
+        np.add.at(sums, self.functions[faces].ravel(), of_faces.ravel())
+        return sums
+
+    def lengths(self, places, ends, faces):
+        """int psi da of parts of faces [m, 3]."""
+        own = places[self.carrier.nodes[faces]]
+        at, weights = gauss(self.points)
+        s = ends[:, :1] + (ends[:, 1:] - ends[:, :1]) * at
+        length = (ends[:, 1:] - ends[:, :1]) * weights * np.linalg.norm(slope(own, s), axis=-1)
+        if self.revolved:
+            length = length * 2 * np.pi * point(own, s)[..., 0]
+        return np.einsum("mq,mqk->mk", length, bernstein(s))
+
+    def places(self, u):
+        return self.mesh.nodes + u.reshape(-1, 2)
+
+    def volume(self, places):
+        meetings = Meetings(self.carrier, self.other, places)
+        pieces = meetings.pieces
+        nodes = meetings.nodes(pieces.face, pieces.other)
+        return meetings, nodes, Volume(pieces, places[nodes], self.revolved, self.points)
+
+    def uncovered(self, places, meetings):
+        """Which multipliers have no partner, and their gaps."""
+        covered, whole = self.covered(places, meetings.pieces)
+        return covered < LEAST_COVERED * whole, meetings.reach * whole
+
+    def covered(self, places, pieces):
+        """int psi da over what has a partner, and over all."""
+        faces = np.arange(len(self.functions))
+        parts = ((pieces.ends, pieces.face), (np.tile([0.0, 1.0], (len(faces), 1)), faces))
+        return [self.merge @ self.gathered(self.lengths(places, ends, face), face) for ends, face in parts]
+
+    def covered_at(self, u):
+        """The same where contact is measured: a linear body at rest."""
+        places = self.places(u if self.is_rubber else 0.0 * u)
+        return self.covered(places, Meetings(self.carrier, self.other, places).pieces)
+
+    def linear(self, places):
+        """Gaps and C = -dG/du at places."""
+        meetings, nodes, volume = self.volume(places)
+        gaps = self.merge @ self.gathered(volume.gaps(), meetings.pieces.face)
+        slopes = -volume.slopes().transpose(1, 2, 0)
+        entries = (self.functions[meetings.pieces.face], dofs(nodes), slopes)
+        rows = matrix([entries], (self.merge.shape[1], self.unknowns))
+        coupling = (self.merge @ rows.toarray()) if len(nodes) else np.zeros((self.multipliers, self.unknowns))
+        far, open_gaps = self.uncovered(places, meetings)
+        coupling[far] = 0.0
+        return np.where(far, open_gaps, gaps), coupling
+
+    def contact(self, u, multipliers):
+        """Gaps, C and entries of -sum Lam_j d2G_j."""
+        if self.rest is not None:
+            return self.rest[0] - self.rest[1] @ u, self.rest[1], []
+        places = self.places(u)
+        gaps, coupling = self.linear(places)
+        return gaps, coupling, self.curvature(places, multipliers)
+
+    def curvature(self, places, multipliers):
+        meetings = Meetings(self.carrier, self.other, places)
+        factors = (multipliers @ self.merge)[self.functions[meetings.pieces.face]]
+        loaded = np.abs(factors).max(axis=1, initial=0.0) > 0.0
+        if not loaded.any():
+            return []
+        pieces = meetings.pieces.some(loaded)
+        nodes = meetings.nodes(pieces.face, pieces.other)
+        volume = Volume(pieces, places[nodes], self.revolved, self.points)
+        return [(dofs(nodes), dofs(nodes), -volume.curvature(factors[loaded]))]
+
+    def peak(self, multipliers):
+        """The largest pressure on the carrier, at ends of faces or where its slope vanishes."""
+        values = (multipliers @ self.merge)[self.functions]
+        a, b, m = values.T
+        with np.errstate(all="ignore"):
+            s = np.nan_to_num((a - m) / (a + b - 2 * m))
+        inside = np.einsum("fk,fk->f", values, bernstein(np.clip(s, 0.0, 1.0)))
+        return float(max(inside.max(), a.max(), b.max()))
+
+    def parted(self, forces):
+        """Sums of nodal forces over the carrier and over the other body."""
+        forces = forces.reshape(-1, 2)
+        is_other = np.zeros(len(forces), dtype=bool)
+        is_other[self.other.nodes.ravel()] = True
+        return forces[~is_other].sum(axis=0), forces[is_other].sum(axis=0)
+
+    def least_covered(self, u, multipliers):
+        """The least share with a partner of functions that press."""
+        covered, whole = self.covered_at(u)
+        return float((covered / whole)[multipliers > 0.0].min(initial=1.0))
+
+    def pressing(self, u, multipliers):
+        """int lambda da over what has a partner."""
+        return float(multipliers @ self.covered_at(u)[0])
+
+
+def functions(mesh, carrier):
+    """Numbers of the functions [f, 3], and (node, faces) of each."""
+    corners = mesh.nodes[carrier.nodes]
+    flat = corners[:, 1] - corners[:, 0]
+    flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
+    numbers, around = np.full((len(corners), 3), -1), []
+    for f, nodes in enumerate(carrier.nodes.tolist()):
+        for k, node in enumerate(nodes):
+            own = ((n, faces) for n, (other, faces) in enumerate(around) if other == node)
+            same = [n for n, faces in own if flat[faces[0]] @ flat[f] >= SMOOTH]
+            numbers[f, k] = same[0] if same else len(around)
+            if same:
+                around[same[0]][1].append(f)
+            else:
+                around.append((node, [f]))
+    return numbers, around
+
+
+def given_away(mesh, carrier, layout, held):
+    """T [multipliers, functions]: psi = T psi_raw."""
+    numbers, around = layout
+    corners = mesh.nodes[carrier.nodes]
+    along = corners[:, 1] - corners[:, 0]
+    normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)
+
+    def is_held(node, faces):
+        components = (np.abs(normals[faces]) > HELD_ALONG).any(axis=0)
+        return bool(held[2 * node + np.flatnonzero(components)].all())
+
+    lost = [is_held(node, faces) for node, faces in around]
+    own = np.cumsum(np.logical_not(lost)) - 1
+    merge = np.zeros((max(own, default=-1) + 1, len(around)))
+    for function, (node, faces) in enumerate(around):
+        if not lost[function]:
+            merge[own[function], function] = 1.0
+            continue
+        others = {k for k in numbers[faces].ravel().tolist() if not lost[k]}
+        away = {k: np.linalg.norm(mesh.nodes[around[k][0]] - mesh.nodes[node]) for k in others}
+        takers = [k for k in away if away[k] <= min(away.values()) * (1 + EQUAL)]
+        for taker in takers:
+            merge[own[taker], function] = 1.0 / len(takers)
+    return merge
+
+
+def dofs(nodes):
+    return (2 * nodes[..., None] + np.arange(2)).reshape(*nodes.shape[:-1], 2 * nodes.shape[-1])
+
+
+class Pairs:
+    """All contacts between bodies of a scene, in the place of a `saddle_surface.Surface`."""
+
+    def __init__(self, mesh, pairs):
+        self.mesh, self.pairs = mesh, pairs
+        self.ends = np.cumsum([0] + [pair.multipliers for pair in pairs])
+        self.multipliers = int(self.ends[-1])
+        self.areas = np.concatenate([pair.areas for pair in pairs])
+        # What gaps are let in by.
+        self.admitted = np.zeros(self.multipliers)
+
+    def own(self, values):
+        return [values[a:b] for a, b in zip(self.ends[:-1], self.ends[1:])]
+
+    def contact(self, u, _obstacles, multipliers):
+        found = [pair.contact(u, own) for pair, own in zip(self.pairs, self.own(multipliers))]
+        gaps, coupling, entries = zip(*found)
+        size = 2 * len(self.mesh.nodes)
+        curvature = matrix([entry for own in entries for entry in own], (size, size))
+        return np.concatenate(gaps) + self.admitted, sp.csr_matrix(np.concatenate(coupling)), curvature
+
+    def forces(self, u, multipliers):
+        """Force on the carrier of each contact [2], and on the other body."""
+        own = zip(self.pairs, self.own(multipliers))
+        return [pair.parted(-(values @ pair.contact(u, np.zeros_like(values))[1])) for pair, values in own]
