@@ -4,7 +4,8 @@ use super::border::borderline;
 use super::bound::bound;
 use super::dual::{Dual, dual};
 use super::error::GoalError;
-use super::gradient::{Answered, gradients};
+use super::freed::Freed;
+use super::gradient::{Answered, Free, gradients};
 use super::history::refuse_history;
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
@@ -34,29 +35,35 @@ pub(crate) fn answer(
     refuse_unbalanced(run, &now)?;
     let mut program = QuadraticProgram::new(run, &now, None, &mut 0.0);
     let duals = all(run, &mut program, asked.goals.iter())?;
-    let derivatives = if asked.parameters.is_empty() {
-        vec![Vec::new(); duals.len()]
-    } else {
-        let pushes = pushing_goals(&run.model, run.state)?;
-        let goals = pushes.iter().map(|(_, goal)| goal);
-        let pushed = all(run, &mut program, goals)?;
-        let controls: Vec<Control> = pushes.iter().map(|(control, _)| *control).collect();
-        let answered = Answered {
-            goals: &duals,
-            pushed: &pushed,
-            controls: &controls,
-        };
-        gradients(run, &answered, &asked.parameters)?
+    let pushes = asked.pushes(&run.model, run.state)?;
+    let goals = pushes.iter().map(|(_, goal)| goal);
+    let pushed = all(run, &mut program, goals)?;
+    let controls: Vec<Control> = pushes.iter().map(|(control, _)| *control).collect();
+    let answered = Answered {
+        goals: &duals,
+        pushed: &pushed,
+        controls: &controls,
     };
+    let free = Free::new((&run.model, &*run.state), &answered)?;
+    let derivatives = gradients(run, (&answered, &free), &asked.parameters)?;
     let at = At {
         borderline: borderline(run.state, &now),
         now,
     };
-    let report = |(dual, derivatives): (&Dual, Vec<f64>)| GoalReport {
-        derivatives: asked.named(&dual.name, derivatives),
-        ..at.report((&run.model, &*run.state), dual, asked.errors(&dual.name))
+    let shares = free.shares(duals.len());
+    let all = duals.iter().zip(&shares).zip(derivatives);
+    let report = |((dual, shares), derivatives): ((&Dual, &Vec<f64>), Vec<f64>)| {
+        let freed = Freed::new(dual, &pushed, shares);
+        GoalReport {
+            derivatives: asked.named(&dual.name, derivatives),
+            ..at.report(
+                (&run.model, &*run.state),
+                (dual, &freed),
+                asked.errors(&dual.name),
+            )
+        }
     };
-    Ok(duals.iter().zip(derivatives).map(report).collect())
+    Ok(all.map(report).collect())
 }
 
 /// What questions ask for together.
@@ -74,6 +81,16 @@ impl<'q> Asked<'q> {
             questions,
             goals: once(questions.iter().flat_map(|one| &one.goals)),
             parameters: once(questions.iter().flat_map(|one| &one.parameters)),
+        }
+    }
+
+    /// What obstacles are pushed by, where errors or derivatives are asked for.
+    fn pushes(&self, model: &Model<'_>, state: &State) -> Result<Vec<(Control, Goal)>, GoalError> {
+        let mut errors = self.questions.iter().map(|one| one.errors);
+        if self.parameters.is_empty() && errors.all(|one| one == GoalErrors::Left) {
+            Ok(Vec::new())
+        } else {
+            pushing_goals(model, state)
         }
     }
 
@@ -130,15 +147,15 @@ impl At {
     fn report(
         &self,
         (model, state): (&Model<'_>, &State),
-        dual: &Dual,
+        (dual, freed): (&Dual, &Freed<'_>),
         errors: GoalErrors,
     ) -> GoalReport {
-        let solver = dual.work(state, &self.now) * dual.goal.unit();
+        let solver = freed.work(state, &self.now) * freed.unit();
         let bound = match errors {
             GoalErrors::Left => None,
             GoalErrors::Bounded => Some(GoalBound {
                 solver: solver.abs(),
-                ..bound(model, state, dual)
+                ..bound(model, state, freed)
             }),
         };
         GoalReport {
@@ -172,8 +189,9 @@ fn pushing_goals(model: &Model<'_>, state: &State) -> Result<Vec<(Control, Goal)
     let goal = |control: Control| match control.part {
         Part::Support(_) => Err(GoalError::Absent {
             text: control.key().to_owned(),
-            cause: "derivatives where supports are pushed or sprung are not supported yet"
-                .to_owned(),
+            cause:
+                "errors and derivatives where supports are pushed or sprung are not supported yet"
+                    .to_owned(),
         }),
         Part::Obstacle(index) => Ok((
             control,

@@ -27,8 +27,8 @@
 //! Non-dimensional. Cost: two recoveries, of rubber an eigenvalue problem of ten a cell, one pass
 //! over the surfaces.
 
-use super::dual::Dual;
 use super::form::Forms;
+use super::freed::Freed;
 use crate::assembly::recovery::{Recovery, cell_products};
 use crate::contact::{Closing, closing};
 use crate::model::Model;
@@ -38,9 +38,9 @@ use crate::report::GoalBound;
 use crate::results::friction::tractions as tractions_at;
 
 /// The error of one goal at a state, in the caller's units but for what the solver left.
-pub(super) fn bound(model: &Model<'_>, state: &State, dual: &Dual) -> GoalBound {
-    let unit = dual.goal.unit();
-    let smooth = dual.goal.smooth(model, &dual.fields);
+pub(super) fn bound(model: &Model<'_>, state: &State, dual: &Freed<'_>) -> GoalBound {
+    let unit = dual.unit();
+    let smooth = dual.smooth(model);
     let products = products(model, state, (&smooth, &dual.fields.pressure));
     let part = |[_, own, dual]: &[f64; 3]| (own.max(0.0) * dual.max(0.0)).sqrt();
     let mut cells: Vec<f64> = products.iter().map(part).collect();
@@ -54,7 +54,7 @@ pub(super) fn bound(model: &Model<'_>, state: &State, dual: &Dual) -> GoalBound 
     GoalBound {
         estimate: estimate * unit,
         discretisation: cells.iter().sum(),
-        geometry: dual.goal.geometry(model, state),
+        geometry: dual.geometry(model, state),
         solver: 0.0,
         cells,
     }
@@ -93,7 +93,11 @@ fn products(
 }
 
 /// t_f of the faces that the edges of contact with obstacles cross, with their cells.
-fn edges(model: &Model<'_>, state: &State, (dual, smooth): (&Dual, &[f64])) -> Vec<(usize, f64)> {
+fn edges(
+    model: &Model<'_>,
+    state: &State,
+    (dual, smooth): (&Freed<'_>, &[f64]),
+) -> Vec<(usize, f64)> {
     let body = model.deformed(&state.displacement);
     let is_closed = |status: &crate::saddle::Status| f64::from(u8::from(status.is_closed()));
     let closed: Vec<f64> = state.status.iter().map(is_closed).collect();
@@ -108,7 +112,7 @@ fn edges(model: &Model<'_>, state: &State, (dual, smooth): (&Dual, &[f64])) -> V
             pressure: &interface.coefficients(&state.multiplier),
             traction: &coefficients(interface, &tractions),
             dual: &interface.coefficients(&dual.fields.multiplier),
-            motion: &dual.goal.relative(model, state, (index, smooth)),
+            motion: &dual.relative((model, state), (index, smooth)),
         };
         let own = closing(&body, &interface.surface, &met, at);
         let cells = interface.facets.iter();

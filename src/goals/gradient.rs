@@ -52,11 +52,9 @@ impl<'a> Answered<'a> {
 /// [`GoalError`] of a parameter.
 pub(super) fn gradients(
     run: &Run<'_>,
-    answered: &Answered<'_>,
+    (answered, free): (&Answered<'_>, &Free),
     parameters: &[Parameter],
 ) -> Result<Vec<Vec<f64>>, GoalError> {
-    let at = (&run.model, &*run.state);
-    let free = Free::new(at, answered)?;
     let mut rows = vec![Vec::with_capacity(parameters.len()); answered.goals.len()];
     for parameter in parameters {
         if let Some(stopped) = run.stopped() {
@@ -71,7 +69,7 @@ pub(super) fn gradients(
 }
 
 /// How poses that follow from pushes answer.
-struct Free {
+pub(super) struct Free {
     /// (dF/dq)^-1; none where no pose follows.
     stiffness: Option<DenseLu>,
     /// dJ/dq `[controls][goals]`.
@@ -79,7 +77,14 @@ struct Free {
 }
 
 impl Free {
-    fn new(at: (&Model<'_>, &State), answered: &Answered<'_>) -> Result<Self, GoalError> {
+    /// From derivatives by the poses that follow.
+    ///
+    /// # Errors
+    /// [`GoalError`] where a pushed obstacle meets no resistance.
+    pub(super) fn new(
+        at: (&Model<'_>, &State),
+        answered: &Answered<'_>,
+    ) -> Result<Self, GoalError> {
         let mut by_pose = Vec::new();
         let count = answered.pushed.len();
         let mut stiffness = DenseMatrix::zeros(count, count);
@@ -142,6 +147,22 @@ impl Free {
                 Ok(values)
             }
         }
+    }
+
+    /// (dJ/dq) (dF/dq)^-1 `[goals][controls]`, in the caller's units.
+    pub(super) fn shares(&self, goals: usize) -> Vec<Vec<f64>> {
+        let count = self.by_pose.len();
+        let mut shares = vec![Vec::with_capacity(count); goals];
+        for control in 0..count {
+            let mut unit = vec![0.0; count];
+            unit[control] = 1.0;
+            let column = self.led(goals, unit);
+            shares
+                .iter_mut()
+                .zip(column)
+                .for_each(|(row, value)| row.push(value));
+        }
+        shares
     }
 
     /// (dJ/dq) (dF/dq)^-1 `forces`, of that many goals.

@@ -17,6 +17,7 @@
 //! | [`answer`] | questions and their order |
 //! | [`history`], [`border`] | states that depend on their way, derivatives that are one-sided |
 //! | [`dual`] | y, by the operators that the solver has |
+//! | [`freed`] | a goal whose poses follow from pushes |
 //! | [`bound`], [`form`] | the error of J by the mesh, from the errors of x and y |
 //! | [`perturbed`], [`gradient`] | the derivative of J + y . R with the state held fast |
 //!
@@ -30,6 +31,7 @@ mod bound;
 mod dual;
 mod error;
 mod form;
+mod freed;
 mod gradient;
 mod history;
 mod own_contact;

@@ -125,32 +125,27 @@ impl ResolvedGoal {
         self.unit
     }
 
-    /// What of a dual solution is smooth where the exact one is, with the same error: of a support
-    /// that less the motion of its nodes, which the mesh has made.
-    pub(super) fn smooth(&self, model: &Model<'_>, dual: &Fields) -> Vec<f64> {
-        let mut smooth = dual.displacement.clone();
+    /// Adds `factor` of the motion of the nodes of a support, which the mesh has made: a dual solution
+    /// less that is smooth where the exact one is, with the same error.
+    pub(super) fn add_support_motion(&self, model: &Model<'_>, factor: f64, to: &mut [f64]) {
         if let What::Reaction(support) = self.what {
-            add_scaled(&mut smooth, -1.0, &self.support_motion(model, support));
+            add_scaled(to, factor, &self.support_motion(model, support));
         }
-        smooth
     }
 
-    /// y less what the obstacle of that number holds it to, from its `smooth` part: its normal part
-    /// is zero on closed contact.
-    pub(super) fn relative(
+    /// Adds `factor` of the motion that the goal does work on, of a goal about that obstacle.
+    pub(super) fn add_motion_of(
         &self,
-        model: &Model<'_>,
-        state: &State,
-        (obstacle, smooth): (usize, &[f64]),
-    ) -> Vec<f64> {
-        let mut relative = smooth.to_vec();
+        (model, state): (&Model<'_>, &State),
+        (obstacle, factor): (usize, f64),
+        to: &mut [f64],
+    ) {
         let is_own =
             matches!(self.what, What::Force(index) | What::Moment(index) if index == obstacle);
         let own = OwnContact::new(model, state, obstacle).filter(|_| is_own);
         if let Some(own) = own {
-            add_scaled(&mut relative, 1.0, &self.motion(model, state, &own));
+            add_scaled(to, factor, &self.motion(model, state, &own));
         }
-        relative
     }
 
     /// What flat facets in the place of a curved surface make of the goal, in the caller's units.

@@ -6,7 +6,7 @@ use crate::common::meshes::{mesh, square};
 use crate::common::scenes::{HELD, elastic, mooney_rivlin, obstacle, push, rubber, support};
 use crate::common::{assert_converged, close, run};
 use signorini::report::GoalReport;
-use signorini::scene::{GoalErrors, GoalQuestions, Shape};
+use signorini::scene::{GoalErrors, GoalQuestions, Probe, Shape};
 use signorini::{CancelToken, Mesh, Scene, Step};
 
 const GOALS: [&str; 2] = ["force.ball.y", "reaction.base.x"];
@@ -111,4 +111,34 @@ fn the_bound_falls_with_the_mesh() {
         found[0].bound.as_ref().expect("a bound").discretisation
     });
     assert!(fine < 0.6 * coarse, "{coarse} {fine}");
+}
+
+/// The pose of a pushed tool follows from the mesh: its force is known, a displacement below is not.
+#[test]
+fn a_displacement_under_a_pushed_punch_is_within_its_bound() {
+    let (mut scene, mut step) = block(elastic(0.3), 0.0, 1);
+    scene.obstacles[0].shape = Shape::Box {
+        centre: [0.47, 1.5, 0.0],
+        half_sizes: [0.21, 0.5, 1.0],
+        rounding: 0.0,
+    };
+    scene.probes = vec![Probe {
+        name: "mid".to_owned(),
+        point: [0.47, 0.9, 0.0],
+    }];
+    step.obstacles[0].translation = None;
+    step.obstacles[0].force = [None, Some(-0.1), None];
+    let problem = (scene, step);
+    let goals = ["force.ball.y", "displacement.mid.y"];
+    let exact = asked(&goals, &problem, &mesh(square(60)))[1].value;
+    for count in [5, 8, 12] {
+        let found = asked(&goals, &problem, &mesh(square(count)));
+        let [force, own] = [0, 1].map(|goal| found[goal].bound.as_ref().expect("a bound").total());
+        let error = (found[1].value - exact).abs();
+        assert!(
+            force < 1e-9 && (found[0].value + 0.1).abs() < 1e-9,
+            "{force}"
+        );
+        assert!(own >= error && own < 20.0 * error, "{count}: {own} {error}");
+    }
 }
