@@ -26,11 +26,12 @@ from saddle_newton import NotConverged
 RUBBER_PARTS = 4
 
 
-def solve(problem, parts=None):
-    """One record an increment; ends with the increment that does not converge."""
+def solve(problem, parts=None, limit=np.inf):
+    """One record an increment; ends where one does not converge, or after `limit` seconds of the processor."""
     is_rough = any("friction" in table or "tresca" in table for table in problem.contacts)
     solver = RoughSolver(problem) if is_rough else PairSolver(problem)
     state, drive = rest(solver), problem.start()
+    solver.deadline = time.process_time() + limit
     follow = solver.increment if is_rough else solver.follow
     for step, (increments, end) in enumerate(problem.steps(), 1):
         start = drive
@@ -43,7 +44,7 @@ def solve(problem, parts=None):
                 if not drive.load and problem.is_rubber and not is_rough:
                     state = push_apart(solver, state, drive, least)
                 state = follow(state, drive, target, least)
-            except NotConverged as fault:
+            except (NotConverged, TimeoutError) as fault:
                 yield found | {"converged": False, "cause": str(fault)}
                 return
             drive = target

@@ -30,6 +30,7 @@ class Draft:
     tractions: list = field(default_factory=list)
     probes: list = field(default_factory=list)
     revolved: bool = False
+    curved: bool = False
     rubber: bool = False
     friction: list = field(default_factory=list)
     shears: dict = field(default_factory=dict)
@@ -135,13 +136,15 @@ def corner(it):
 
 def box(it):
     """Two blocks that fill a closed box, with a flat, wavy or kinked interface."""
-    waves, height = it.between(1.0, 4.0), float(it.random.choice([0.0, 0.05, 0.1]))
+    waves = it.between(1.0, 4.0)
+    # Faces that turn by less than 30 degrees: corners of the surface that does not carry have no partner of their own.
+    height = float(it.random.choice([0.0, 0.05, 0.1])) / waves
 
     def wave(x):
         return height * np.cos(waves * math.pi * x)
 
-    it.add("lower", (it.count(3, 9), it.count(2, 5)), lambda s, t: (s, t - 1 + t * wave(s)))
-    it.add("upper", (it.count(3, 9), it.count(2, 5)), lambda s, t: (s, t + (1 - t) * wave(s)))
+    it.add("lower", (it.count(5, 12), it.count(2, 5)), lambda s, t: (s, t - 1 + t * wave(s)))
+    it.add("upper", (it.count(5, 12), it.count(2, 5)), lambda s, t: (s, t + (1 - t) * wave(s)))
     ends(it)
     for body in ("lower", "upper"):
         it.hold(f"{body}-left", f"{body}-x0", x=0.0)
@@ -161,7 +164,7 @@ def annulus(inner, outer, centre=(0.0, 0.0), start=0.0):
 
 
 def rings(it):
-    """A ring on a core that is too large for it."""
+    """A ring on a core that is too large for it; faces turn by less than 30 degrees."""
     fit = it.between(0.001, 0.015)
     it.laws["room"] = True
     it.add("core", (it.count(13, 22), it.count(2, 3)), annulus(0.5, 1.0 + fit, start=it.between(0, 1)), True)
@@ -264,6 +267,8 @@ KINDS = {kind.__name__: kind for kind in (
 
 # Bodies that begin inside each other, which `pair_friction` does not push apart.
 TIGHT = ("rings", "bush")
+# Kinds that may have meshes of second order.
+ROUND = ("wavy", "box", "rings", "journal", "roller", "rollers")
 
 
 def scene(seed, index, only=None, rough=False):
@@ -273,6 +278,7 @@ def scene(seed, index, only=None, rough=False):
     it = Draft(random, kind)
     KINDS[kind](it)
     materials(it)
+    it.curved = kind in ROUND and bool(it.random.random() < 0.5)
     if rough:
         it.friction = [friction(it) for _ in it.contacts]
     return it, toml(it)
@@ -280,7 +286,7 @@ def scene(seed, index, only=None, rough=False):
 
 def friction(it):
     """The line of a contact."""
-    if it.random.random() < 0.75:
+    if it.random.random() < 0.9:
         return f"friction = {it.between(0.05, 0.6):.4f}"
     return f"tresca = {min(it.shears.values()) * it.between(0.002, 0.05):.6g}"
 

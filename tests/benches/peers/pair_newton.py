@@ -3,6 +3,8 @@
 Where surfaces touch at the start multipliers are closed, so that contact holds bodies that nothing else does; bodies of
 rubber that begin inside each other are let in by less and less. Forces of a body that moves as a whole are rounded.
 """
+import time
+
 import numpy as np
 
 from saddle_newton import LEAST_PART, SIGN, NotConverged, Solver
@@ -16,7 +18,9 @@ CLOSED, TOUCHING = 1e-200, 1e-9
 
 
 class Rounding(Solver):
-    """The same with the rounding of bodies that move as a whole."""
+    """The same with the rounding of bodies that move as a whole, until `deadline`."""
+
+    deadline = np.inf
 
     def __init__(self, problem):
         super().__init__(problem)
@@ -24,6 +28,8 @@ class Rounding(Solver):
         self.softest = min(law.shear for law in problem.laws.values())
 
     def error(self, state, drive, response):
+        if time.process_time() > self.deadline:
+            raise TimeoutError("no time left")
         scale = max(np.abs(response[0].forces).max(), 1e-9 * self.shear * self.length)
         self.rounded = max(self.base, UNIT * self.shear * np.abs(state.u).max(initial=0.0) / scale)
         return super().error(state, drive, response)

@@ -1,24 +1,28 @@
-"""Straight triangles and tetrahedra with the numbering of P2: vertices first, then the midpoints of edges.
+"""Triangles and tetrahedra with the numbering of P2: vertices first, then the midpoints of edges.
 
-Reads MSH 2.2 and 4.1 (ASCII) with named physical groups. Lengths are those of the file.
+Reads MSH 2.2 and 4.1 (ASCII) with named physical groups. Lengths are those of the file. In the plane segments of three
+nodes bend the edges of cells; cells of six nodes are read by their corners.
 """
 from dataclasses import dataclass, field
 
 import numpy as np
 
-# Vertices of Gmsh's element kinds: segment, triangle, tetrahedron.
-CORNERS = {1: 2, 2: 3, 4: 4}
+# Vertices of Gmsh's element kinds: segment, triangle, tetrahedron; segment and triangle of second order.
+CORNERS = {1: 2, 2: 3, 4: 4, 8: 2, 9: 3}
+BENT = 8
 EDGES = {2: [(0, 1)], 3: [(0, 1), (1, 2), (0, 2)], 4: [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]}
 
 
 @dataclass
 class Mesh:
-    """points [vertices, dim], cells [cells, dim + 1]; groups of cells and of facets as index arrays by name."""
+    """points [vertices, dim], cells [cells, dim + 1]; groups of cells and of facets as index arrays by name; places of
+    the middles of bent edges by their ends."""
 
     points: np.ndarray
     cells: np.ndarray
     cell_groups: dict
     facet_groups: dict
+    middles: dict = field(default_factory=dict)
     edges: dict = field(default_factory=dict)
 
     def __post_init__(self):
@@ -28,6 +32,8 @@ class Mesh:
         self.edge_ends = unique
         self.edges = {tuple(pair): len(self.points) + i for i, pair in enumerate(unique.tolist())}
         self.nodes = np.concatenate([self.points, self.points[unique].mean(axis=1)])
+        for ends, place in self.middles.items():
+            self.nodes[self.edges[ends]] = place
         self.cell_nodes = np.concatenate([self.cells, self.edge_nodes(self.cells)], axis=1)
 
     def edge_nodes(self, simplices):
@@ -131,8 +137,12 @@ def build(tags, points, elements, names):
     elements = [e for e in elements if e[0] in CORNERS]
     top = max(CORNERS[kind] for kind, _, _ in elements)
     cells, facets, cell_groups, facet_groups = [], [], {}, {}
-    for kind, physical, corners in elements:
+    bent = {}
+    for kind, physical, nodes in elements:
         size = CORNERS[kind]
+        corners = nodes[:size]
+        if kind == BENT:
+            bent[tuple(corners)] = nodes[size]
         if size == top:
             for tag in physical:
                 cell_groups.setdefault(names[top - 1, tag], []).append(len(cells))
@@ -145,9 +155,12 @@ def build(tags, points, elements, names):
     where[used] = np.arange(len(used))
     order = np.full(tags.max() + 1, -1)
     order[tags] = np.arange(len(tags))
+    places = points[:, : top - 1]
+    middles = {tuple(sorted(where[list(ends)].tolist())): places[order[tag]] for ends, tag in bent.items()}
     return Mesh(
         points[order[used]][:, : top - 1],
         where[np.array(cells)],
         {name: np.array(group) for name, group in cell_groups.items()},
         {name: where[np.array(group)] for name, group in facet_groups.items()},
+        middles,
     )

@@ -10,6 +10,7 @@ import saddle_axis
 import saddle_law
 import saddle_mesh
 import saddle_obstacle
+from saddle_bend import Bent
 from saddle_body import Body
 from saddle_rule import p2, rule
 from saddle_surface import Surface
@@ -58,7 +59,8 @@ class Problem:
         is_revolved = scene.get("kind") == "axisymmetric"
         degree = changes.get("degree") or solver.get("quadrature_degree")
         degree = degree or (saddle_axis.DEGREE if is_revolved else DEGREE)
-        self.body = (saddle_axis.Revolved if is_revolved else Body)(self.mesh, self.laws, degree, mixed)
+        kind = saddle_axis.Revolved if is_revolved else Bent if self.mesh.middles else Body
+        self.body = kind(self.mesh, self.laws, degree, mixed)
         self.supports = scene.get("support", [])
         self.held, self.owner = self.hold()
         self.obstacles = [saddle_obstacle.of(o["shape"]) for o in scene.get("obstacle", [])]
