@@ -13,6 +13,8 @@ use crate::scene::validate::{Resolved, ResolvedPair};
 
 /// Ratio of moduli up to which bodies are alike.
 const ALIKE: f64 = 3.0;
+/// Why a surface carries that `carries` names.
+const NAMED: &str = "the scene has it carry";
 
 /// A contact with its carrier chosen.
 #[derive(Clone, Debug)]
@@ -36,6 +38,22 @@ impl PlannedPair {
     /// Whether it has friction.
     pub(crate) fn is_frictional(&self) -> bool {
         self.friction > 0.0 || self.tresca.is_some()
+    }
+
+    /// Whether the scene says which side carries.
+    pub(super) fn is_named(&self) -> bool {
+        self.reason == NAMED
+    }
+
+    /// The same with the other side as carrier.
+    pub(super) fn turned(&self, reason: &'static str) -> Self {
+        Self {
+            carrier: self.other.clone(),
+            other: self.carrier.clone(),
+            side: 1 - self.side,
+            reason,
+            ..self.clone()
+        }
     }
 
     /// Whether the group that the scene names first carries.
@@ -73,7 +91,7 @@ pub(super) fn choose(pairs: &[ResolvedPair], resolved: &Resolved, mesh: &Mesh) -
 
 fn carrier(pair: &ResolvedPair, resolved: &Resolved, mesh: &Mesh) -> (usize, &'static str) {
     if let Some(side) = pair.named {
-        return (side, "the scene has it carry");
+        return (side, NAMED);
     }
     let [first, second] = [0, 1].map(|side: usize| modulus(&pair.sides[side], resolved, mesh));
     if first > ALIKE * second {

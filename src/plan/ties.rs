@@ -9,7 +9,6 @@ use std::sync::Arc;
 use super::PlanEntry;
 use super::held_nodes::HeldByPlanes;
 use super::pairs::{self, PlannedPair};
-use crate::assembly::load::facet_measure;
 use crate::contact::ContactSurface;
 use crate::contact::basis::Bernstein;
 use crate::contact::layout::Layout;
@@ -23,6 +22,9 @@ use crate::ties::{Lost, Seam, Sides, layout_of};
 /// Share of the carrier, and of the other surface, that may have no partner unsaid: facets in the
 /// place of curved surfaces are not equally large.
 const UNSAID: [f64; 2] = [0.01, 0.1];
+/// Part of what is tied that may lie under functions tied by less than half, of the surface that carries: their
+/// neighbours take them over; chosen.
+const SHORT: f64 = 0.25;
 /// Pairs of vertices that are looked at, at most, to say how far surfaces are apart; chosen.
 const MOST_LOOKED_AT: usize = 10_000_000;
 
@@ -37,6 +39,8 @@ pub(crate) struct PlannedTie {
     pub(crate) layouts: Vec<Layout>,
     /// Parts of the carrier and of the other surface that have a partner.
     shares: [f64; 2],
+    /// The part of what is tied under functions of the carrier that are tied by less than half.
+    short: f64,
 }
 
 impl PlannedTie {
@@ -79,9 +83,9 @@ pub(super) fn choose(
     let mut taken = nodes_of(ground, ground.others.iter().copied().flatten());
     taken.extend(ground.held_nodes.iter().map(|one| one.held.node));
     for pair in pairs::choose(&resolved.ties, resolved, ground.mesh) {
-        let own = nodes_of(ground, &pair.carrier);
-        planned.push(one(pair, resolved.kind, (ground, &taken))?);
-        taken.extend(own);
+        let tie = best(pair, resolved.kind, (ground, &taken))?;
+        taken.extend(nodes_of(ground, &tie.pair.carrier));
+        planned.push(tie);
     }
     Ok(planned)
 }
@@ -93,6 +97,66 @@ fn nodes_of<'a>(ground: Ground<'_>, facets: impl IntoIterator<Item = &'a u32>) -
         ground.space.facet_nodes(corners)
     });
     nodes.collect()
+}
+
+/// The tie with the carrier that a contact has, or the other one where that holds what the first does not:
+/// a large facet that is tied in part has no function for the part, nor has a surface that is held.
+fn best(
+    pair: PlannedPair,
+    kind: SceneKind,
+    at: (Ground<'_>, &BTreeSet<u32>),
+) -> Result<PlannedTie, SceneError> {
+    let first = one(pair.clone(), kind, at)?;
+    if pair.is_named() || (first.short <= SHORT && first.lacking(at.0).is_empty()) {
+        return first.checked(at.0);
+    }
+    let second = one(
+        pair.turned("the other one has no functions for the tied part"),
+        kind,
+        at,
+    )?;
+    let lack = |tie: &PlannedTie| tie.lacking(at.0).len();
+    let [ours, theirs] = [&first, &second].map(lack);
+    if theirs < ours || (theirs == ours && second.short < first.short) {
+        second.checked(at.0)
+    } else {
+        first.checked(at.0)
+    }
+}
+
+impl PlannedTie {
+    /// Components along which no traction acts though the bodies may come apart.
+    fn lacking(&self, ground: Ground<'_>) -> Vec<usize> {
+        let count = self.layouts.len();
+        let other = nodes_of(ground, &self.pair.other);
+        let is_free = |component: usize| {
+            let unknowns = other.iter().map(|node| *node as usize * count + component);
+            let is_held = |unknown: usize| {
+                let found = |(held, _): &(u32, u16)| *held as usize;
+                ground.held.binary_search_by_key(&unknown, found).is_ok()
+            };
+            unknowns.into_iter().any(|unknown| !is_held(unknown))
+        };
+        let has_none = |component: &usize| self.layouts[*component].shares.multipliers() == 0;
+        let all = (0..count).filter(has_none);
+        all.filter(|component| is_free(*component)).collect()
+    }
+
+    /// # Errors
+    /// [`SceneError::Invalid`] where no traction acts along a component.
+    fn checked(self, ground: Ground<'_>) -> Result<Self, SceneError> {
+        let Some(&component) = self.lacking(ground).first() else {
+            return Ok(self);
+        };
+        let axis = ["x", "y", "z"].get(component).unwrap_or(&"z");
+        Err(SceneError::Invalid(vec![Violation {
+            path: format!("tie.{}.between", self.pair.name),
+            message: format!(
+                "no traction along {axis} can act: the surface that carries it is held or guided there, or less \
+                 than half of each of its facets is tied; name the other surface in `carries`, or refine this one"
+            ),
+        }]))
+    }
 }
 
 fn one(
@@ -129,14 +193,24 @@ fn one(
         };
         layout_of((mesh, space), (&pair.carrier, &base), lost)
     };
+    let is_taken = |_: u32| false;
+    let lost = Lost {
+        seam: &seam,
+        surface: &surface,
+        is_taken: &is_taken,
+    };
+    let short = lost.short_share();
+    let whole = |surface: &ContactSurface| surface.weights.iter().sum::<f64>();
     let [carrier, other] = [&pair.carrier, &pair.other].map(|side| {
-        let sizes = side.iter();
-        let sizes = sizes.map(|&facet| facet_measure(mesh, mesh.facet(facet as usize), 1.0).0);
-        sizes.sum::<f64>()
+        whole(
+            &surface_of(ground, kind, side)
+                .with_layout(&Bernstein, Layout::of_sides(mesh, space, side)),
+        )
     });
     Ok(PlannedTie {
         layouts: (0..components).map(layout).collect(),
         shares: [covered, (covered * carrier / other).min(1.0)],
+        short,
         seam: Arc::new(seam),
         pair,
     })

@@ -9,6 +9,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::contact::ContactFace;
 use crate::geometry::vector3::{add, norm, scale};
 use crate::model::Model;
 use crate::model::interfaces::Interface;
@@ -49,7 +50,7 @@ fn one(model: &Model<'_>, state: &State, (tie, own): (&PlannedTie, &[&Interface]
     if model.plan.is_axisymmetric() {
         (force, moment) = ([0.0, force[1], 0.0], [0.0; 3]);
     }
-    let (peak, place) = peak(model, state, own);
+    let (peak, place) = peak(model, state, (tie, own));
     let gap = tie.seam.gap.map_or(0.0, |gap| gap.width);
     TieResult {
         force: scale(units.force(), force),
@@ -61,13 +62,21 @@ fn one(model: &Model<'_>, state: &State, (tie, own): (&PlannedTie, &[&Interface]
     }
 }
 
-/// The largest traction at a node, and where that is.
-fn peak(model: &Model<'_>, state: &State, own: &[&Interface]) -> (f64, [f64; 3]) {
+/// The largest traction at a node of a tied facet, and where that is.
+fn peak(
+    model: &Model<'_>,
+    state: &State,
+    (tie, own): (&PlannedTie, &[&Interface]),
+) -> (f64, [f64; 3]) {
     let coefficients = own.iter().map(|one| one.coefficients(&state.multiplier));
     let coefficients: Vec<Vec<f64>> = coefficients.collect();
     let mut largest = (0.0, [0.0; 3]);
     let faces = own.first().map_or(&[][..], |one| &one.surface.faces);
-    for face in faces {
+    let is_tied = |face: &&ContactFace| {
+        let mut functions = face.functions.iter();
+        functions.all(|&k| tie.seam.covered[k as usize] > 0.0)
+    };
+    for face in faces.iter().filter(is_tied) {
         for place in places(face.corners.len()) {
             let mut traction = [0.0; 3];
             for (value, own) in traction.iter_mut().zip(&coefficients) {

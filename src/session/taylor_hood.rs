@@ -233,14 +233,24 @@ impl TaylorHoodBody {
         goals::answer(&mut run, questions)
     }
 
-    /// Parts of the cells over their undeformed volumes, areas in two dimensions, in the caller's units.
+    /// Parts of the cells over their undeformed volumes, in two dimensions over the areas of the
+    /// section, in the caller's units.
     pub(super) fn over_volumes(&self, parts: Vec<f64>) -> Vec<f64> {
         let model = self.model();
-        let dimension = model.mesh.cell_kind().dimension() as i32;
-        let unit = model.plan.problem.units.length.powi(dimension);
+        let (mesh, units) = (model.mesh, &model.plan.problem.units);
+        let dimension = mesh.cell_kind().dimension() as i32;
+        let unit = units.length.powi(dimension);
         let volumes = &model.prepared.geometry.volumes;
-        let of_cell = |(part, volume): (f64, &f64)| part / (volume * unit);
-        parts.into_iter().zip(volumes).map(of_cell).collect()
+        let of_section = |cell: usize| {
+            let area = mesh.cell_kind().signed_measure(&mesh.corners(cell));
+            area * units.coordinate_scale.powi(dimension)
+        };
+        let size = |cell: usize| match model.plan.is_axisymmetric() {
+            true => of_section(cell),
+            false => volumes[cell],
+        };
+        let of_cell = |(cell, part): (usize, f64)| part / (size(cell) * unit);
+        parts.into_iter().enumerate().map(of_cell).collect()
     }
 
     /// A field of `state` with what the solver has learnt on the way there; none if the scene has

@@ -14,6 +14,9 @@ use crate::space::TaylorHood;
 
 /// Steps of Newton's method in a curved cell: quadratic, from the straight one.
 const STEPS: usize = 12;
+/// Distance that is left of a point that is found, over that from a vertex of the cell and from the origin: above
+/// rounding, and far below what one step leaves that does not converge.
+const FOUND: f64 = 1e-10;
 
 /// A node with the value of its function.
 pub type Value = (u32, f64);
@@ -43,7 +46,12 @@ pub fn coordinates(mesh: &Mesh, cell: usize, x: [f64; 3]) -> Option<[f64; 4]> {
             shares.for_each(|(share, gradient)| *share += dot(gradient, step));
         }
     }
-    l.iter().all(|share| share.is_finite()).then_some(l)
+    let left = norm(sub(x, mesh.position_in(cell, &l)));
+    let size = corners
+        .iter()
+        .map(|corner| norm(sub(x, *corner)))
+        .fold(0.0, f64::max);
+    (left <= FOUND * size).then_some(l)
 }
 
 /// Length by which the coordinate `share` of a vertex puts a point beyond the facet opposite to it.

@@ -29,6 +29,22 @@ pub struct Lost<'a> {
     pub is_taken: &'a dyn Fn(u32) -> bool,
 }
 
+impl Lost<'_> {
+    /// Whether less than half of a function has a partner.
+    fn is_short(&self, function: usize) -> bool {
+        self.seam.covered[function] < LEAST_COVERED * self.surface.weights[function]
+    }
+
+    /// The part of what is tied that lies under functions of which less than half has a partner.
+    pub fn short_share(&self) -> f64 {
+        let covered = &self.seam.covered;
+        let all = covered.iter().enumerate();
+        let short = all.filter(|(function, _)| self.is_short(*function));
+        let short: f64 = short.map(|(_, covered)| covered).sum();
+        short / covered.iter().sum::<f64>()
+    }
+}
+
 /// The functions of the carrier `facets`, laid out by `base`, with their multipliers.
 pub fn layout_of(
     (mesh, space): (&Mesh, &TaylorHood),
@@ -39,10 +55,11 @@ pub fn layout_of(
     for node in &base.nodes {
         *functions_at.entry(node).or_insert(0) += 1;
     }
-    let is_lost = base.nodes.iter().enumerate().map(|(k, node)| {
-        let is_short = lost.seam.covered[k] < LEAST_COVERED * lost.surface.weights[k];
-        is_short || functions_at[node] > 1 || (lost.is_taken)(*node)
-    });
+    let is_lost = base
+        .nodes
+        .iter()
+        .enumerate()
+        .map(|(k, node)| lost.is_short(k) || functions_at[node] > 1 || (lost.is_taken)(*node));
     let is_lost: Vec<bool> = is_lost.collect();
     base.taken_over((mesh, space, facets), &is_lost)
 }

@@ -31,7 +31,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("obstacle", 5869, 51),
     ("pairs", 2440, 21),
     ("parallel", 124, 1),
-    ("plan", 4650, 72),
+    ("plan", 4786, 73),
     ("precond", 4984, 46),
     ("prepare", 1710, 10),
     ("proximity", 571, 15),
@@ -44,7 +44,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("space", 190, 0),
     ("sqp", 7036, 85),
     ("stability", 275, 5),
-    ("ties", 665, 7),
+    ("ties", 687, 8),
     ("verify", 1510, 11),
 ];
 

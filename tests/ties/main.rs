@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod carriers;
 mod patches;
 mod refusals;
 mod rings;
