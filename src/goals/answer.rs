@@ -47,7 +47,7 @@ pub(crate) fn answer(
     let free = Free::new((&run.model, &*run.state), &answered)?;
     let derivatives = gradients(run, (&answered, &free), &asked.parameters)?;
     let at = At {
-        borderline: borderline(run.state, &now),
+        borderline: borderline(&run.model, run.state, &now),
         now,
     };
     let shares = free.shares(duals.len());

@@ -1,36 +1,52 @@
 //! Contacts at the border of what they do, where derivatives are one-sided.
 
 use crate::linalg::vector::norm;
+use crate::model::Model;
 use crate::model::evaluate::Evaluation;
 use crate::model::friction::Law;
 use crate::model::state::State;
 use crate::saddle::{AdmissibleSet, Status};
 
-/// Pressure over the largest one, and gap over the deepest motion, of a contact at its border; the
-/// same of tractions and slips.
+/// Pressure over the largest one, and gap over the widest one, of a contact at its border; the same of tractions and
+/// slips.
 const BORDER: f64 = 1e-6;
 
 /// Contacts of obstacles that are closed without pressure, or open without a gap, and points that
 /// stick at the edge of friction, or slip by nothing.
-pub(super) fn borderline(state: &State, now: &Evaluation) -> u32 {
+pub(super) fn borderline(model: &Model<'_>, state: &State, now: &Evaluation) -> u32 {
     let largest = state
         .multiplier
         .iter()
         .fold(0.0, |most: f64, l| most.max(l.abs()));
     let widest = norm(&now.gap);
+    let depths = depths(model, now);
+    let deepest = depths
+        .iter()
+        .fold(0.0, |most: f64, gap| most.max(gap.abs()));
     let contacts = contacts(now)
         .zip(&state.status)
-        .zip(state.multiplier.iter().zip(&now.gap));
+        .zip(state.multiplier.iter().zip(&depths));
     let at_border = contacts.filter(|((is_contact, status), (pressure, gap))| {
         *is_contact
             && match status {
-                Status::Open => gap.abs() <= BORDER * widest,
+                Status::Open => gap.abs() <= BORDER * deepest,
                 Status::Stick | Status::Slip => pressure.abs() <= BORDER * largest,
             }
     });
     let law = now.friction.as_ref();
     let slips = law.map_or(0, |law| about_to_turn(law, (state, now), widest));
     (at_border.count() + slips) as u32
+}
+
+/// Gaps over the areas that they are of: those of small faces are no smaller.
+fn depths(model: &Model<'_>, now: &Evaluation) -> Vec<f64> {
+    let mut weights = vec![0.0; now.gap.len()];
+    for interface in &model.interfaces.list {
+        interface.add_own(&interface.surface.weights, &mut weights);
+    }
+    let all = now.gap.iter().zip(weights);
+    let depth = |(gap, weight): (&f64, f64)| if weight > 0.0 { gap / weight } else { *gap };
+    all.map(depth).collect()
 }
 
 /// Whether each multiplier is a pressure of contact, from the first.

@@ -13,7 +13,9 @@ use super::resolved::ResolvedGoal;
 use crate::linalg::vector::add_scaled;
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
+use crate::model::interfaces::Interface;
 use crate::model::state::State;
+use crate::results::geometry_error::largest_sagitta;
 use crate::sqp::program::Fields;
 
 /// A goal freed of the poses that follow.
@@ -94,12 +96,31 @@ impl<'a> Freed<'a> {
         relative
     }
 
-    /// What flat facets in the place of curved surfaces make of the goal, in the caller's units.
+    /// What flat facets in the place of curved surfaces make of the goal, in the caller's units: of forces
+    /// their part of how far contact is pushed, of others the gaps that they are off by times what these do,
+    ///
+    /// ```text
+    /// sum of |m_j| w_j s,   m = dJ/dG, w the area of the function, s the sagitta
+    /// ```
     pub(super) fn geometry(&self, model: &Model<'_>, state: &State) -> f64 {
+        if !self.goal().is_of_obstacle() {
+            return self.unit() * self.by_gaps(model, state);
+        }
         let one = |(factor, one): &(f64, &Dual)| {
             let unit = self.unit() / one.goal.unit();
             factor.abs() * unit * one.goal.geometry(model, state)
         };
         self.parts.iter().map(one).sum()
+    }
+
+    fn by_gaps(&self, model: &Model<'_>, state: &State) -> f64 {
+        let contacts = model.interfaces.list.iter().filter(|one| one.is_contact());
+        let of_one = |interface: &Interface| {
+            let dual = interface.own(&self.fields.multiplier);
+            let terms = dual.iter().zip(&interface.surface.weights);
+            let sum: f64 = terms.map(|(m, weight)| m.abs() * weight).sum();
+            sum * largest_sagitta(model, state, interface)
+        };
+        contacts.map(of_one).sum()
     }
 }

@@ -148,6 +148,11 @@ impl ResolvedGoal {
         }
     }
 
+    /// Whether it is a force or a moment of an obstacle.
+    pub(super) fn is_of_obstacle(&self) -> bool {
+        matches!(self.what, What::Force(_) | What::Moment(_))
+    }
+
     /// What flat facets in the place of a curved surface make of the goal, in the caller's units.
     pub(super) fn geometry(&self, model: &Model<'_>, state: &State) -> f64 {
         let (What::Force(index) | What::Moment(index)) = self.what else {

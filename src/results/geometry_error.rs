@@ -12,6 +12,7 @@
 //! the facets are flat in fact, where the mesh or the scene gives the true surface, or
 //! without contact. Cost: one pass over the vertices.
 
+use crate::contact::ContactFace;
 use crate::geometry::rigid_motion::{Matrix3, multiply};
 use crate::geometry::tensor::{cofactor, contract, plus, scaled};
 use crate::geometry::vector3::{add, dot, scale, sub};
@@ -31,18 +32,9 @@ pub(crate) fn geometry_error(
     if interface.sagittas.is_empty() {
         return None;
     }
-    let faces = interface.surface.faces.iter().zip(&interface.sagittas);
-    let closed = faces.filter(|(face, _)| {
-        let functions = face.functions.iter();
-        let mut multipliers = functions.flat_map(|&k| interface.surface.shares.of(k));
-        multipliers.any(|(m, _)| {
-            let place = interface.multipliers[m as usize] as usize;
-            state.status[place].is_closed()
-        })
-    });
     let rigid = Rigid::of(model, state);
     let (mut sagitta, mut squeeze) = (0.0_f64, 0.0_f64);
-    for (face, own) in closed {
+    for (face, own) in closed(state, interface) {
         sagitta = sagitta.max(own * model.plan.problem.units.coordinate_scale);
         let normal = multiply(&rigid.rotation, face.normal);
         for &corner in &face.corners {
@@ -51,6 +43,29 @@ pub(crate) fn geometry_error(
         }
     }
     (squeeze > 0.0).then(|| sagitta / squeeze)
+}
+
+/// The largest sagitta of the facets of `interface` in contact, non-dimensional; zero where they are those of the
+/// true surface.
+pub(crate) fn largest_sagitta(model: &Model<'_>, state: &State, interface: &Interface) -> f64 {
+    let own = closed(state, interface).map(|(_, sagitta)| *sagitta);
+    own.fold(0.0, f64::max) * model.plan.problem.units.coordinate_scale
+}
+
+/// Faces in contact with their sagittas; none where the facets are the true surface.
+fn closed<'a>(
+    state: &'a State,
+    interface: &'a Interface,
+) -> impl Iterator<Item = (&'a ContactFace, &'a f64)> {
+    let faces = interface.surface.faces.iter().zip(&interface.sagittas);
+    faces.filter(|(face, _)| {
+        let functions = face.functions.iter();
+        let mut multipliers = functions.flat_map(|&k| interface.surface.shares.of(k));
+        multipliers.any(|(m, _)| {
+            let place = interface.multipliers[m as usize] as usize;
+            state.status[place].is_closed()
+        })
+    })
 }
 
 /// The rigid motion of a body, non-dimensional.
@@ -147,6 +162,7 @@ fn nearest_rotation(matrix: Matrix3) -> Matrix3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::ContactFace;
     use crate::geometry::rigid_motion::rotation_matrix;
     use crate::geometry::tensor::product;
 
