@@ -3,7 +3,7 @@
 use super::scenes::{between, joined, linear};
 use crate::common::meshes::{file, mesh, moved, unit_grid};
 use crate::common::scenes::{HELD_IN_PLANE, obstacle, plane, support};
-use signorini::scene::{SceneError, SceneKind};
+use signorini::scene::{Choice, ContactSpace, SceneError, SceneKind};
 use signorini::{Plan, Scene};
 
 fn scene() -> Scene {
@@ -34,7 +34,7 @@ fn fault(change: impl FnOnce(&mut Scene)) -> (String, String) {
 
 #[test]
 fn names_and_groups_of_contacts_are_checked() {
-    let cases: [(Change<'_>, &str, &str); 5] = [
+    let cases: [(Change<'_>, &str, &str); 7] = [
         (
             &|scene| scene.contacts[0].between[0] = "b_bott".to_owned(),
             "contact.pair.between",
@@ -57,6 +57,21 @@ fn names_and_groups_of_contacts_are_checked() {
             },
             "contact.pair.between",
             "both groups have facets on part",
+        ),
+        (
+            &|scene| {
+                let mut again = scene.contacts[0].clone();
+                again.name = "again".to_owned();
+                again.between.reverse();
+                scene.contacts.push(again);
+            },
+            "contact.again.between",
+            "facets that meet in contact `pair`, too",
+        ),
+        (
+            &|scene| scene.solver.contact_space = Choice::Named(ContactSpace::Linear),
+            "solver.contact_space",
+            "of contacts between bodies pressures are quadratic",
         ),
         (
             &|scene| scene.kind = Some(SceneKind::PlaneStress),

@@ -27,7 +27,7 @@ const NUMBERS: usize = 6;
 /// The file under construction.
 pub(crate) struct PathCsv {
     path: PathBuf,
-    /// In the order of the scene.
+    /// Obstacles, then contacts between bodies, in the order of the scene.
     obstacles: Vec<String>,
     writer: Option<Writer<File>>,
 }
@@ -56,10 +56,11 @@ impl PathCsv {
             }
             Ok(()) | Err(_) => {}
         }
-        let names = scene.obstacles.iter().map(|one| one.name.clone());
+        let obstacles = scene.obstacles.iter().map(|one| &one.name);
+        let names = obstacles.chain(scene.contacts.iter().map(|one| &one.name));
         Ok(Self {
             path,
-            obstacles: names.collect(),
+            obstacles: names.cloned().collect(),
             writer: None,
         })
     }

@@ -38,6 +38,12 @@ pub(super) fn bodies(scene: &Keys<'_>, folder: &Path) -> Vec<BodyFile> {
     let tables = tables.iter().take(MOST_BODIES).enumerate();
     let body = |(index, keys): (usize, &Keys<'_>)| {
         let name = name_of(keys, "body", index);
+        if name.is_empty() {
+            keys.fault(
+                "name",
+                "must not be empty: groups are called by it".to_owned(),
+            );
+        }
         if !taken.insert(name.clone()) {
             keys.fault("name", format!("`{name}` is that of two bodies"));
         }

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use super::obstacles::check_friction;
 use super::{Faults, ResolvedPair, names, parts};
 use crate::mesh::Mesh;
-use crate::scene::{ContactPair, MaterialModel, Scene, SceneKind};
+use crate::scene::{ContactPair, ContactSpace, MaterialModel, Scene, SceneKind};
 
 /// Contacts of a scene at most: each costs a search over its surfaces.
 const MOST_CONTACTS: usize = 256;
@@ -25,9 +25,34 @@ pub(crate) fn resolve(
     refuse(scene, kind, faults);
     let of_vertex = parts(mesh);
     let contacts = scene.contacts.iter().take(MOST_CONTACTS);
-    contacts
+    let contacts: Vec<ResolvedPair> = contacts
         .map(|contact| one(contact, (mesh, &of_vertex), faults))
-        .collect()
+        .collect();
+    refuse_twice(&contacts, faults);
+    contacts
+}
+
+/// Refuses facets that meet the same facets in two contacts, which would share their pressure at will.
+fn refuse_twice(contacts: &[ResolvedPair], faults: &mut Faults) {
+    let sets = contacts.iter();
+    let sets = sets.map(|one| one.sides.each_ref().map(|side| side.iter().collect()));
+    let sets: Vec<[BTreeSet<&u32>; 2]> = sets.collect();
+    let meet = |[a, b]: &[BTreeSet<&u32>; 2], [c, d]: &[BTreeSet<&u32>; 2]| {
+        let is_one = |a: &BTreeSet<&u32>, b: &BTreeSet<&u32>| !a.is_disjoint(b);
+        (is_one(a, c) && is_one(b, d)) || (is_one(a, d) && is_one(b, c))
+    };
+    for (index, contact) in contacts.iter().enumerate() {
+        let earlier = contacts.iter().zip(&sets).take(index);
+        let mut twice = earlier.filter(|(_, own)| meet(own, &sets[index]));
+        if let Some((other, _)) = twice.next() {
+            let path = format!("contact.{}.between", contact.name);
+            let message = format!(
+                "facets that meet in contact `{}`, too: two surfaces meet in one contact",
+                other.name
+            );
+            faults.add(path, message);
+        }
+    }
 }
 
 /// Names stand for one thing each: results and messages go by them.
@@ -60,6 +85,10 @@ fn refuse(scene: &Scene, kind: SceneKind, faults: &mut Faults) {
     if let Some(reason) = reason {
         let message = format!("{reason}, bodies of plane strain and of revolution are");
         faults.unsupported("contact", message);
+    }
+    if scene.solver.contact_space.named() == Some(ContactSpace::Linear) {
+        let message = "of contacts between bodies pressures are quadratic: leave out `linear`";
+        faults.add("solver.contact_space", message);
     }
     if scene.manufactured.is_some() {
         let message = "stands beside a manufactured field, which brings its own loads";
