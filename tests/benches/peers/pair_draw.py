@@ -303,7 +303,7 @@ def materials(it):
 
 def law(it, shear):
     """Lines of a material."""
-    if it.rubber and it.random.random() < 0.85:
+    if it.rubber and (it.random.random() < 0.85 or it.revolved):
         bulks = [1.0, 10.0, 100.0, 1e4] if it.laws.get("room") else [1.0, 10.0, 1e3, math.inf]
         bulk = float(it.random.choice(bulks))
         lines = [f"bulk_modulus = {bulk * shear:.10g}"] if bulk < math.inf else []

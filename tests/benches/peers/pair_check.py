@@ -1,0 +1,83 @@
+"""Whether states that somebody else has found are equilibria here: no Newton's method, so that it takes no time.
+
+At displacements u and pressures p of an increment, multipliers Lam and tractions q of the closed contacts are those of
+least squares in
+
+    dE/du - load + C' Lam - R' q = 0
+
+and the rest is told over the largest contact force, with what the laws leave: defects of volume, gaps inside, Lam below
+zero, |q| beyond its bound, slips where |q| is below it or along q.
+"""
+import numpy as np
+
+from pair_friction import RoughSolver
+from pair_newton import PairSolver
+
+# Mean gap over the length that is closed.
+CLOSED = 1e-8
+
+
+def states(folder):
+    """(u, p) of the files that `solve --out` writes."""
+    import meshio
+
+    for path in sorted(folder.glob("*_[0-9][0-9][0-9][0-9].vtu")):
+        data = meshio.read(path).point_data
+        yield data["displacement"][:, :2].ravel().copy(), data.get("pressure", np.zeros(0)).ravel()
+
+
+def rests(problem, found):
+    """What each of the states leaves, a dictionary an increment."""
+    is_rough = any("friction" in table or "tresca" in table for table in problem.contacts)
+    solver = RoughSolver(problem) if is_rough else PairSolver(problem)
+    before, drive, found = np.zeros(problem.body.displacements), problem.start(), iter(found)
+    for increments, end in problem.steps():
+        start = drive
+        for increment in range(1, increments + 1):
+            drive = start.between(end, increment / increments)
+            state = next(found, None)
+            if state is None:
+                return
+            u, p = state[0], state[1][: problem.body.pressures]
+            u[problem.held] = drive.values
+            yield rest(solver, drive, (u, p), before if is_rough else None)
+            before = u
+
+
+def rest(solver, drive, state, before):
+    u, p = state
+    problem, surface, free = solver.problem, solver.surface, solver.free
+    none = np.zeros(surface.multipliers)
+    gaps, coupling, _ = surface.contact(u, None, none)
+    body = solver.body.respond(u, p)
+    forces = (body.forces - drive.load * problem.load)[free]
+    closed = np.flatnonzero(np.abs(gaps) < CLOSED * surface.areas * solver.length)
+    columns = coupling.toarray()[closed][:, free].T
+    if before is not None:
+        slips, rows, _, _ = solver.slides(u, before, none)
+        columns = np.concatenate([columns, -rows[closed][:, free].T], axis=1)
+    sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    values = np.linalg.lstsq(columns / sizes, -forces, rcond=1e-14)[0] / sizes
+    pressed = columns @ values
+    multipliers = none.copy()
+    multipliers[closed] = values[: len(closed)]
+    # Where nothing touches, forces of a body that moves as a whole.
+    least = (1e-4 * solver.softest if len(closed) else solver.shear) * np.abs(u).max(initial=0.0)
+    largest = max(multipliers.max(initial=0.0), least, 1e-300)
+    left = {
+        "force": np.abs(forces + pressed).max() / max(np.abs(pressed).max(initial=0.0), least, 1e-300),
+        "volume": np.abs(body.defects).max(initial=0.0) / solver.body.measure.max(),
+        "gap": -(gaps / np.maximum(surface.areas, 1e-300)).min(initial=0.0) / solver.length,
+        "sign": -multipliers.min(initial=0.0) / largest,
+    }
+    if before is None:
+        return left
+    tractions = none.copy()
+    tractions[closed] = values[len(closed) :]
+    ways = slips / np.maximum(surface.areas, 1e-300) / solver.length
+    spare = solver.limits(multipliers) - np.abs(tractions)
+    return left | {
+        "bound": -spare.min(initial=0.0) / largest,
+        "stuck": np.abs(np.minimum(spare / largest, np.abs(ways)) * (multipliers > 0.0)).max(initial=0.0),
+        "against": np.minimum(np.abs(ways), ways * np.sign(tractions) * (multipliers > 0.0)).max(initial=0.0),
+    }
