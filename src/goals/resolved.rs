@@ -97,17 +97,8 @@ impl ResolvedGoal {
             })
         };
         let plan = model.plan;
-        let is_plane = plan.problem.units.dimension == 2;
-        let is_force = matches!(self.what, What::Force(_) | What::Reaction(_));
-        let is_moment = matches!(self.what, What::Moment(_));
-        if is_moment && plan.is_axisymmetric() {
-            return absent("moments of a full turn are zero");
-        }
-        if is_plane && is_moment != (self.axis == 2) {
-            return absent("a plane body has forces along x and y and moments about z");
-        }
-        if is_force && plan.is_axisymmetric() && self.axis == 0 {
-            return absent("radial forces of a full turn are zero");
+        if let Some(cause) = goal.absent(plan.problem.resolved.kind) {
+            return absent(cause);
         }
         let What::Reaction(support) = self.what else {
             return Ok(());

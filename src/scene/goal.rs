@@ -6,9 +6,14 @@
 //! | `moment.NAME.z` | its moment about its reference point | force times length |
 //! | `reaction.NAME.y` | force of a support on the body | force |
 //! | `displacement.NAME.y` | displacement of a probe | length |
+//!
+//! About an axis forces along x are radial, summed over the full turn: those of opposite sides do not
+//! balance each other there.
 
 use std::fmt;
 use std::str::FromStr;
+
+use super::SceneKind;
 
 /// A text that names no goal or parameter.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -69,6 +74,21 @@ impl GoalKind {
             Self::Force | Self::Moment => "obstacle",
             Self::Reaction => "support",
             Self::Displacement => "probe",
+        }
+    }
+}
+
+impl Goal {
+    /// Why no body of that kind has the goal; none where it has.
+    pub(crate) fn absent(&self, kind: SceneKind) -> Option<&'static str> {
+        let is_plane = kind != SceneKind::Solid;
+        let is_moment = self.kind == GoalKind::Moment;
+        if is_moment && kind == SceneKind::Axisymmetric {
+            Some("moments of a full turn are zero")
+        } else if is_plane && is_moment != (self.axis == 2) {
+            Some("a plane body has forces and displacements along x and y and moments about z")
+        } else {
+            None
         }
     }
 }

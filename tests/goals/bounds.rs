@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::common::meshes::{mesh, square};
+use crate::common::meshes::{mesh, moved, square, unit_grid};
 use crate::common::scenes::{HELD, elastic, mooney_rivlin, obstacle, push, rubber, support};
 use crate::common::{assert_converged, close, run};
 use signorini::report::GoalReport;
-use signorini::scene::{GoalErrors, GoalQuestions, Probe, Shape};
+use signorini::scene::{GoalErrors, GoalQuestions, Probe, SceneKind, Shape};
 use signorini::{CancelToken, Mesh, Scene, Step};
 
 const GOALS: [&str; 2] = ["force.ball.y", "reaction.base.x"];
@@ -140,5 +140,36 @@ fn a_displacement_under_a_pushed_punch_is_within_its_bound() {
             "{force}"
         );
         assert!(own >= error && own < 20.0 * error, "{count}: {own} {error}");
+    }
+}
+
+/// A thick ring on a shaft that is wider than its hole by d, between frictionless plates: Lame's ring in plane
+/// strain, G = 1, nu = 0.3, radii 1 and 2, height h,
+/// force = 2 pi a h p,  p = d / a (b^2 - a^2) 2 G / (b^2 + a^2 (1 - 2 nu)).
+#[test]
+fn the_radial_force_on_a_shaft_is_that_of_lames_ring_within_its_bound() {
+    let mut scene = elastic(0.3);
+    scene.kind = Some(SceneKind::Axisymmetric);
+    scene.supports = ["y0", "y1"]
+        .map(|side| support(side, [None, Some(0.0), None]))
+        .into();
+    let shape = Shape::HalfSpace {
+        point: [1.0, 0.0, 0.0],
+        normal: [1.0, 0.0, 0.0],
+    };
+    scene.obstacles = vec![obstacle("shaft", "x0", shape)];
+    let problem = (scene, push("shaft", [0.001, 0.0, 0.0]));
+    let ring = |count: usize| {
+        let (radial, axial) = (count, count.div_ceil(2));
+        let grid = unit_grid(radial, axial);
+        mesh(moved(grid, |[x, y, z]| [1.0 + x, 0.5 * y, z]))
+    };
+    let pressure = 0.001 * 3.0 * 2.0 / (4.0 + 0.4);
+    let exact = std::f64::consts::TAU * 0.5 * pressure;
+    for count in [2, 4, 8] {
+        let own = &asked(&["force.shaft.x"], &problem, &ring(count))[0];
+        let (error, bound) = (exact - own.value, own.bound.as_ref().expect("a bound"));
+        let told = (count, error / exact, bound.total() / error.abs());
+        assert!(error.abs() < 0.02 * exact && told.2 >= 1.0, "{told:?}");
     }
 }

@@ -93,13 +93,18 @@ impl Travels {
     }
 
     /// Bound of the error of [`Self::force`], from those of the components that it is made of; none
-    /// where one of them has none.
+    /// where one of them has none, or is of another force: that of a goal across an axis of revolution is radial,
+    /// the component is zero.
     pub(crate) fn force_bound(&self, name: &str, report: &v1::StepReport) -> Option<f64> {
         let direction = self.obstacles.get(name)?;
+        let force = &report.obstacles.get(name)?.force;
         let mut sum = 0.0;
-        for (share, axis) in direction.iter().zip(["x", "y", "z"]) {
+        for ((share, axis), component) in direction.iter().zip(["x", "y", "z"]).zip(force) {
             if *share != 0.0 {
                 let goal = report.goals.get(&format!("force.{name}.{axis}"))?;
+                if *component == 0.0 && goal.value != 0.0 {
+                    return None;
+                }
                 sum += share.abs() * goal.bound?.total;
             }
         }

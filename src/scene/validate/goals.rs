@@ -1,13 +1,15 @@
 //! Names that questions ask about, and scenes whose state depends on its way.
 
 use super::Faults;
-use crate::scene::{Goal, GoalErrors, GoalKind, GoalQuestions, Parameter, Scene, numbers};
+use crate::scene::{
+    Goal, GoalErrors, GoalKind, GoalQuestions, Parameter, Scene, SceneKind, numbers,
+};
 
 /// Most goals, and most parameters, of one question.
 const MOST: usize = 1000;
 
 /// Refuses questions about what is not there.
-pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
+pub(crate) fn check(scene: &Scene, kind: SceneKind, faults: &mut Faults) {
     let mut gradients = 0..;
     for questions in &scene.questions {
         let (path, key) = match questions.errors {
@@ -18,6 +20,11 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
             }
         };
         check_one(scene, questions, (&path, key), faults);
+        for goal in &questions.goals {
+            if let Some(cause) = goal.absent(kind) {
+                faults.add(format!("{path}.{key}"), format!("`{goal}`: {cause}"));
+            }
+        }
     }
 }
 

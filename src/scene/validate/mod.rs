@@ -185,7 +185,7 @@ pub(crate) fn resolve<'a>(
     let body_force_values = values::of_body(scene, mesh, &mut faults);
     bodies::refuse_values(scene, &mut faults);
     let probes = bodies::probes(scene, mesh, &mut faults);
-    goals::check(scene, &mut faults);
+    goals::check(scene, kind, &mut faults);
     solver::check(scene, formulated(mixed, &materials), &mut faults);
     let held = rigid_modes::Held::by(&supports, &ties);
     let free = rigid_modes::check((scene, kind), mesh, held, &mut faults);

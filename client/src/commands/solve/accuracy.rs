@@ -15,12 +15,10 @@ pub(super) fn bound_forces(scene: &mut v1::Scene, dimension: usize) -> Result<()
                        shall be bounded under [accuracy], such as bound = \"reaction.base.y\"";
         return Err(Failure::new(Exit::Usage, message));
     }
-    // About an axis of revolution there is no force across it.
-    let first = usize::from(scene.kind() == v1::SceneKind::Axisymmetric);
     let names: Vec<String> = scene.obstacles.iter().map(|one| one.name.clone()).collect();
     for name in names {
-        let along = axis_of_travel(scene, &name).filter(|axis| (first..dimension).contains(axis));
-        let axes = along.map_or(first..dimension, |axis| axis..axis + 1);
+        let along = axis_of_travel(scene, &name).filter(|axis| (0..dimension).contains(axis));
+        let axes = along.map_or(0..dimension, |axis| axis..axis + 1);
         let goals = axes.filter_map(|axis| Some(format!("force.{name}.{}", AXES.get(axis)?)));
         let goals: Vec<String> = goals.collect();
         let bound = &mut scene.accuracy.get_or_insert_default().bound;
@@ -78,7 +76,9 @@ mod tests {
             bound: vec!["force.lid.y".to_owned()],
             ..Default::default()
         });
-        assert_eq!(asked(ring, 2), ["force.lid.y", "force.wall.y"]);
+        // Those across the axis are radial.
+        let expected = ["force.lid.y", "force.wall.x", "force.wall.y"];
+        assert_eq!(asked(ring, 2), expected);
     }
 
     #[test]
