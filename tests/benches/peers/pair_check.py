@@ -9,12 +9,15 @@ and the rest is told over the largest contact force, with what the laws leave: d
 zero, |q| beyond its bound, slips where |q| is below it or along q.
 """
 import numpy as np
+from scipy.optimize import nnls
 
 from pair_friction import RoughSolver
 from pair_newton import PairSolver
 
 # Mean gap over the length that is closed.
 CLOSED = 1e-8
+# What equations and laws may leave.
+SMALL = 1e-6
 
 
 def states(folder):
@@ -76,8 +79,25 @@ def rest(solver, drive, state, before):
     tractions[closed] = values[len(closed) :]
     ways = slips / np.maximum(surface.areas, 1e-300) / solver.length
     spare = solver.limits(multipliers) - np.abs(tractions)
-    return left | {
+    left |= {
         "bound": -spare.min(initial=0.0) / largest,
         "stuck": np.abs(np.minimum(spare / largest, np.abs(ways)) * (multipliers > 0.0)).max(initial=0.0),
-        "against": np.minimum(np.abs(ways), ways * np.sign(tractions) * (multipliers > 0.0)).max(initial=0.0),
+        "against": np.minimum(ways * np.sign(tractions), np.abs(tractions) / largest).max(initial=0.0),
     }
+    if max(left.values()) <= SMALL or (solver.bound > 0.0).any():
+        return left
+    # Where least squares are not unique: some within the laws.
+    found = within_laws(columns, forces, solver.coefficient[closed], ways[closed])
+    return {name: left[name] for name in ("volume", "gap")} | {"force": found / max(np.abs(forces).max(), least)}
+
+
+def within_laws(columns, forces, coefficient, ways):
+    """What is left by some a, b >= 0, Lam = a + b, q = mu (b - a), a alone where S > 0, b alone where S < 0."""
+    pressed, dragged = np.split(columns, 2, axis=1)
+    a = (pressed - coefficient * dragged)[:, ways > -CLOSED]
+    b = (pressed + coefficient * dragged)[:, ways < CLOSED]
+    both = np.concatenate([a, b], axis=1)
+    sizes = np.maximum(np.linalg.norm(both, axis=0), 1e-300)
+    scale = max(np.abs(forces).max(initial=0.0), 1e-300)
+    values, _ = nnls(both / sizes, -forces / scale, maxiter=10000)
+    return scale * np.abs(both / sizes @ values + forces / scale).max()

@@ -61,7 +61,8 @@ def record(solver, state, drive):
     for (table, pair, forces, multipliers), (*dragged, dissipated) in zip(own, rough):
         forces = [force + drag for force, drag in zip(forces, dragged)]
         contacts[table["name"]] = {
-            "force": forces[table["carrier"]].tolist(), "sum": float(np.abs(forces[0] + forces[1]).max()),
+            "force": forces[table["carrier"]][:2].tolist(), "moment": float(forces[table["carrier"]][2]),
+            "sum": float(np.abs(forces[0] + forces[1]).max()),
             "pressing": pair.pressing(state.u, multipliers), "peak_pressure": pair.peak(multipliers),
             "active": int((multipliers > 0.0).sum()), "dissipated": dissipated,
             "least_covered": pair.least_covered(state.u, multipliers),

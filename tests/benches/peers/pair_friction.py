@@ -204,7 +204,7 @@ class RoughSolver(Rounding):
         """Of each contact: force on the carrier and on the other body, and what slips have dissipated."""
         slips, rows, _, _ = self.slides(state.u, self.before, state.tractions)
         own = zip(self.surface.pairs, *map(self.surface.own, (slips, rows, state.tractions)))
-        return [(*pair.parted(q @ r), float(-q @ s)) for pair, s, r, q in own]
+        return [(*pair.parted(q @ r, state.u), float(-q @ s)) for pair, s, r, q in own]
 
     def misfit(self, state, drive, response):
         """The largest residual over the scale of its forces, volumes or gaps."""

@@ -111,9 +111,12 @@ class Pair:
         inside = np.einsum("fk,fk->f", values, bernstein(np.clip(s, 0.0, 1.0)))
         return float(max(inside.max(), a.max(), b.max()))
 
-    def parted(self, forces):
-        """Sums of nodal forces over the carrier and over the other body."""
+    def parted(self, forces, u):
+        """Sums of nodal forces and their moment [3] over the carrier and over the other body."""
         forces = forces.reshape(-1, 2)
+        places = self.places(u)
+        turning = places[:, 0] * forces[:, 1] - places[:, 1] * forces[:, 0]
+        forces = np.concatenate([forces, turning[:, None]], axis=1)
         is_other = np.zeros(len(forces), dtype=bool)
         is_other[self.other.nodes.ravel()] = True
         return forces[~is_other].sum(axis=0), forces[is_other].sum(axis=0)
@@ -198,6 +201,6 @@ class Pairs:
         return np.concatenate(gaps) + self.admitted, sp.csr_matrix(np.concatenate(coupling)), curvature
 
     def forces(self, u, multipliers):
-        """Force on the carrier of each contact [2], and on the other body."""
+        """Force on the carrier of each contact with its moment [3], and on the other body."""
         own = zip(self.pairs, self.own(multipliers))
-        return [pair.parted(-(values @ pair.contact(u, np.zeros_like(values))[1])) for pair, values in own]
+        return [pair.parted(-(values @ pair.contact(u, np.zeros_like(values))[1]), u) for pair, values in own]
