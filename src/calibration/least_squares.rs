@@ -113,7 +113,7 @@ pub(super) fn variances(minimum: &Minimum, unknowns: &[Unknown]) -> Vec<Option<f
 }
 
 /// The step of those numbers that are free to move, against the slope of the sum.
-fn step(
+pub(super) fn step(
     (slopes, values): (&[Vec<f64>], &[f64]),
     (unknowns, at): (&[Unknown], &[f64]),
     damping: f64,

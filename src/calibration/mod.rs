@@ -8,14 +8,17 @@
 //!
 //! T in closed form for incompressible bodies ([`TestKind`]), by the stress of the law itself.
 //! Stresses and constants in one unit, the caller's. From several starts the least sum counts.
+//! Curves of whole scenes, whose values come with derivatives, are fitted by [`Search`].
 //! Reference: G. A. F. Seber, C. J. Wild, Nonlinear Regression, 1989, section 5. Cost: some 10^4
 //! stresses a point.
 
 mod constants;
 mod curve;
 mod least_squares;
+mod search;
 
 pub use curve::TestKind;
+pub use search::{Measured, Modelled, Progress, Search};
 
 use thiserror::Error;
 

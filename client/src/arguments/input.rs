@@ -104,9 +104,9 @@ fn read_scene(path: &Path, overrides: &[Override]) -> Result<SceneFile, Failure>
     })
 }
 
-/// A scene alone, without the files that it names.
-pub(crate) fn scene_of(path: &Path) -> Result<v1::Scene, Failure> {
-    Ok(read_scene(path, &[])?.scene)
+/// A scene alone, with changes to it, without the files that it names.
+pub(crate) fn changed_scene(arguments: &SceneArguments) -> Result<v1::Scene, Failure> {
+    Ok(read_scene(&arguments.scene, &arguments.overrides)?.scene)
 }
 
 /// The mesh of a scene, with the path that it was read from.

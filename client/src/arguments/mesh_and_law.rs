@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::SceneArguments;
+
 pub(super) const REFINE_EXAMPLES: &str = "\
 Examples:
   signorini refine ring.toml -o ring-fine.msh
@@ -17,9 +19,12 @@ pub(super) const FIT_EXAMPLES: &str = "\
 Examples:
   signorini fit ring.toml tests.csv
   signorini fit ring.toml tests.csv --model ogden --terms 2 --plot fit.svg
+  signorini fit ring.toml squeeze.csv --plot fit.svg
 
 tests.csv has columns test (uniaxial, planar or equibiaxial), stretch (or strain, stretch less one)
-and stress (force over undeformed area), in the units of the scene.";
+and stress (force over undeformed area), in the units of the scene. squeeze.csv has columns time
+(steps that are done, 0.5 in the middle of the first) and goals, such as force.lid.y: the scene is
+solved with other constants until it gives these values.";
 
 /// What shall be halved, and how often.
 #[derive(Args, Debug)]
@@ -57,9 +62,10 @@ pub(crate) struct RefineArguments {
 /// Which law is fitted to which tests.
 #[derive(Args, Debug)]
 pub(crate) struct FitArguments {
-    /// Scene file (TOML), whose law is fitted, from its constants as one start
-    pub(crate) scene: PathBuf,
-    /// Test curves (CSV): columns test, stretch or strain, stress
+    #[command(flatten)]
+    pub(crate) scene: SceneArguments,
+    /// Test curves of the material (CSV: columns test, stretch or strain, stress), or curves of the scene (columns time
+    /// and goals, such as force.lid.y)
     #[arg(value_name = "DATA")]
     pub(crate) data: PathBuf,
     /// The material, where the scene has several

@@ -292,7 +292,7 @@ pub(crate) enum Command {
 }
 
 /// A scene and changes to it.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct SceneArguments {
     /// Scene file (TOML)
     pub(crate) scene: PathBuf,

@@ -1,6 +1,9 @@
 //! `fit`: the constants of a law of rubber from test curves.
 //!
-//! What goes to stdout is TOML: the fit as comments, then the material for the scene.
+//! Test curves of the material in closed form, or curves that the scene itself gives ([`through`]). What goes to
+//! stdout is TOML: the fit as comments, then the material for the scene.
+
+mod through;
 
 use std::path::Path;
 
@@ -13,7 +16,7 @@ use signorini_proto::v1::material::Model;
 
 use crate::arguments::{FitArguments, input};
 use crate::report::curve_plot::{Plot, Series};
-use crate::report::test_curves;
+use crate::report::{goal_curves, test_curves};
 use crate::terminal::exit::{Exit, Failure};
 use crate::terminal::stdout::print;
 use crate::terminal::text::{note, number, one_line, percent, with_error};
@@ -34,9 +37,54 @@ struct Law {
     bulk_modulus: Option<f64>,
 }
 
-pub(super) fn run(arguments: &FitArguments) -> Result<Exit, Failure> {
-    let law = law(arguments)?;
-    let tests = read(&arguments.data)?;
+pub(super) async fn run(arguments: FitArguments) -> Result<Exit, Failure> {
+    let (law, steps) = law(&arguments)?;
+    let bytes = bounded_file::read(&arguments.data, MOST_BYTES);
+    let bytes = bytes.map_err(|error| Failure::unreadable(&arguments.data, &error))?;
+    if goal_curves::has_tests(&bytes) {
+        of_tests(&arguments, &law, &bytes)
+    } else {
+        Box::pin(of_scene(&arguments, &law, (&bytes, steps))).await
+    }
+}
+
+/// From curves of the scene.
+async fn of_scene(
+    arguments: &FitArguments,
+    law: &Law,
+    (bytes, steps): (&[u8], usize),
+) -> Result<Exit, Failure> {
+    if arguments.model.is_some() {
+        let message = "--model is for test curves of the material: put the law into the scene, with constants to \
+                       begin from";
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    let curves = goal_curves::read(bytes, steps)
+        .map_err(|error| Failure::new(Exit::Invalid, error.to_string()).about(&arguments.data))?;
+    let through = through::fit(arguments, law, &curves).await?;
+    let fit = &through.fit;
+    let poor = (!arguments.absolute && fit.misfit > POOR).then(|| poor(fit));
+    for warning in unstable(fit, &[]).chain(loose(fit)).chain(poor) {
+        note(&format!("warning: {warning}\n"));
+    }
+    if let Some(path) = &arguments.plot {
+        write(path, &through::plot(&through, &curves))?;
+    }
+    let text = if arguments.json {
+        let mut object = object(fit, &[]);
+        object["points"] = curves.points.len().into();
+        object["solves"] = through.solves.into();
+        format!("{object}\n")
+    } else {
+        through::table(&through, &curves) + &snippet(law, &fit.model)
+    };
+    print(&text)?;
+    Ok(Exit::Ok)
+}
+
+/// From test curves of the material.
+fn of_tests(arguments: &FitArguments, law: &Law, bytes: &[u8]) -> Result<Exit, Failure> {
+    let tests = read(bytes).map_err(|failure| failure.about(&arguments.data))?;
     let weighting = if arguments.absolute {
         Weighting::Absolute
     } else {
@@ -49,28 +97,32 @@ pub(super) fn run(arguments: &FitArguments) -> Result<Exit, Failure> {
         note(&format!("warning: {warning}\n"));
     }
     if let Some(path) = &arguments.plot {
-        let svg = plot(&fit, &tests).svg();
-        whole_file::write(path, svg.as_bytes())
-            .map_err(|error| Failure::unwritable(path, &error))?;
+        write(path, &plot(&fit, &tests))?;
     }
     let text = if arguments.json {
         format!("{}\n", object(&fit, &tests))
     } else {
-        table(&fit, &tests, weighting) + &snippet(&law, &fit.model)
+        table(&fit, &tests, weighting) + &snippet(law, &fit.model)
     };
     print(&text)?;
     Ok(Exit::Ok)
 }
 
-/// The law that the arguments name, or the scene.
-fn law(arguments: &FitArguments) -> Result<Law, Failure> {
-    let scene = input::scene_of(&arguments.scene)?;
+fn write(path: &Path, plot: &Plot) -> Result<(), Failure> {
+    let written = whole_file::write(path, plot.svg().as_bytes());
+    written.map_err(|error| Failure::unwritable(path, &error))
+}
+
+/// The law that the arguments name, or the scene, and the number of steps of that.
+fn law(arguments: &FitArguments) -> Result<(Law, usize), Failure> {
+    let scene = input::changed_scene(&arguments.scene)?;
     let names: Vec<&str> = scene
         .materials
         .iter()
         .map(|one| one.group.as_str())
         .collect();
     let usage = |message: String| Failure::new(Exit::Usage, message);
+    let steps = scene.steps.len().max(1);
     let material = match (&arguments.group, &scene.materials[..]) {
         (None, [material]) => material,
         (None, _) => {
@@ -91,11 +143,12 @@ fn law(arguments: &FitArguments) -> Result<Law, Failure> {
             material.group
         ))
     })?;
-    Ok(Law {
+    let law = Law {
         group: material.group.clone(),
         model,
         bulk_modulus,
-    })
+    };
+    Ok((law, steps))
 }
 
 /// The law of a message, none of those that are not fitted, and its bulk modulus.
@@ -207,13 +260,10 @@ fn by_name(name: &str, terms: usize) -> Option<RubberModel> {
     })
 }
 
-/// The points of a file.
-fn read(path: &Path) -> Result<Vec<Test>, Failure> {
-    let bytes = bounded_file::read(path, MOST_BYTES);
-    let bytes = bytes.map_err(|error| Failure::unreadable(path, &error))?;
-    let points = test_curves::read(&bytes);
-    let points =
-        points.map_err(|error| Failure::new(Exit::Invalid, error.to_string()).about(path))?;
+/// The points of a table.
+fn read(bytes: &[u8]) -> Result<Vec<Test>, Failure> {
+    let points = test_curves::read(bytes);
+    let points = points.map_err(|error| Failure::new(Exit::Invalid, error.to_string()))?;
     let kind = |name: &str| TestKind::ALL.into_iter().find(|kind| kind.name() == name);
     let tests = points.iter().filter_map(|point| {
         Some(Test {
@@ -247,21 +297,6 @@ fn is_tested(way: &str, stretch: f64, tests: &[Test]) -> bool {
 
 /// What a user should know of a fit.
 fn warnings(fit: &Calibrated, tests: &[Test]) -> Vec<String> {
-    let unstable = fit.unstable.iter().map(|one| {
-        let place = if is_tested(one.way, one.stretch, tests) {
-            ", which the tests reach"
-        } else {
-            ""
-        };
-        let (way, stretch) = (one.way, number(one.stretch));
-        format!("the law is not stable (Drucker) in {way} from a stretch of {stretch} on{place}")
-    });
-    let loose = fit.constants.iter().filter(|one| one.half_width.is_none());
-    let loose: Vec<&str> = loose.map(|one| one.name.as_str()).collect();
-    let loose = (!loose.is_empty()).then(|| {
-        let names = loose.join(", ");
-        format!("the tests do not determine {names}: fewer constants, or more kinds of tests, do")
-    });
     let kinds = TestKind::ALL
         .into_iter()
         .filter(|kind| range(tests, *kind).is_some());
@@ -269,7 +304,33 @@ fn warnings(fit: &Calibrated, tests: &[Test]) -> Vec<String> {
         "tests of one kind say little about other deformations: add planar or equibiaxial ones"
             .to_owned()
     });
-    unstable.chain(loose).chain(alone).collect()
+    unstable(fit, tests)
+        .chain(loose(fit))
+        .chain(alone)
+        .collect()
+}
+
+/// Where the law is not stable.
+fn unstable<'a>(fit: &'a Calibrated, tests: &'a [Test]) -> impl Iterator<Item = String> + 'a {
+    fit.unstable.iter().map(|one| {
+        let place = if is_tested(one.way, one.stretch, tests) {
+            ", which the tests reach"
+        } else {
+            ""
+        };
+        let (way, stretch) = (one.way, number(one.stretch));
+        format!("the law is not stable (Drucker) in {way} from a stretch of {stretch} on{place}")
+    })
+}
+
+/// Which constants are not determined.
+fn loose(fit: &Calibrated) -> Option<String> {
+    let loose = fit.constants.iter().filter(|one| one.half_width.is_none());
+    let loose: Vec<&str> = loose.map(|one| one.name.as_str()).collect();
+    (!loose.is_empty()).then(|| {
+        let names = loose.join(", ");
+        format!("the tests do not determine {names}: fewer constants, or more kinds of tests, do")
+    })
 }
 
 /// What is told of a law that does not follow the tests.
@@ -300,6 +361,13 @@ fn table(fit: &Calibrated, tests: &[Test], weighting: Weighting) -> String {
         size(fit.misfit),
         size(fit.largest),
     );
+    text.push_str(&constants(fit));
+    text
+}
+
+/// The constants with their intervals, as comments.
+fn constants(fit: &Calibrated) -> String {
+    let mut text = String::new();
     for Fitted {
         name,
         value,
@@ -366,14 +434,19 @@ fn keys(model: &RubberModel) -> Vec<(&'static str, Vec<f64>)> {
     }
 }
 
+/// Whether the constants of a law are lists.
+fn is_list(model: &RubberModel) -> bool {
+    matches!(
+        model,
+        RubberModel::Ogden { .. } | RubberModel::Hyperfoam { .. }
+    )
+}
+
 /// The material for a scene.
 fn snippet(law: &Law, model: &RubberModel) -> String {
     let group = toml::Value::String(law.group.clone());
     let mut text = format!("[material.{group}]\nmodel = \"{}\"\n", model.name());
-    let is_list = matches!(
-        model,
-        RubberModel::Ogden { .. } | RubberModel::Hyperfoam { .. }
-    );
+    let is_list = is_list(model);
     for (key, values) in keys(model) {
         let values: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
         let values = values.join(", ");
@@ -421,7 +494,7 @@ fn plot(fit: &Calibrated, tests: &[Test]) -> Plot {
         });
         let own = tests.iter().filter(|test| test.kind == kind);
         Some(Series {
-            name: kind.name(),
+            name: kind.name().into(),
             points: own.map(|test| [test.stretch, test.stress]).collect(),
             curve: curve.collect(),
         })

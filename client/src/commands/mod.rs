@@ -66,7 +66,7 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         #[cfg(feature = "embedded")]
         Command::Refine(arguments) => refine::run(&arguments),
         #[cfg(feature = "embedded")]
-        Command::Fit(arguments) => fit::run(&arguments),
+        Command::Fit(arguments) => runtime.block_on(Box::pin(fit::run(arguments))),
         Command::Report { folder } => report::run(&folder),
         Command::Serve(arguments) => runtime.block_on(serve::run(arguments)),
         #[cfg(feature = "embedded")]

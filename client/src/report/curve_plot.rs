@@ -3,6 +3,7 @@
 //! Series differ by colour and by the shape of their points, which print and colour-blind readers
 //! tell apart. Nothing in it is fetched. Cost: some 60 bytes a point.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use crate::terminal::text::number;
@@ -17,7 +18,7 @@ const TICKS: f64 = 8.0;
 
 /// Measured points and the curve of a law.
 pub(crate) struct Series {
-    pub(crate) name: &'static str,
+    pub(crate) name: Cow<'static, str>,
     pub(crate) points: Vec<[f64; 2]>,
     pub(crate) curve: Vec<[f64; 2]>,
 }
@@ -173,7 +174,7 @@ impl Series {
             y.pixels[1] + 16.0 + 20.0 * number as f64,
         );
         mark((number, colour), [left, at - 4.0], svg);
-        let name = self.name;
+        let name = escaped(&self.name);
         add!(
             svg,
             "<text x=\"{:.1}\" y=\"{at:.1}\">{name}</text>",
@@ -215,7 +216,7 @@ mod tests {
             title: "a < b".to_owned(),
             axes: ["stretch", "stress"],
             series: vec![Series {
-                name: "uniaxial",
+                name: "uniaxial".into(),
                 points: vec![[1.0, 0.0], [2.0, 1.0]],
                 curve: vec![[1.0, 0.0], [1.5, 0.6], [2.0, 1.1]],
             }],

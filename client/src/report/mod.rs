@@ -15,6 +15,7 @@
 
 #[cfg(feature = "embedded")]
 pub(crate) mod curve_plot;
+pub(crate) mod goal_curves;
 pub(crate) mod page;
 pub(crate) mod path_csv;
 pub(crate) mod record;

@@ -120,7 +120,7 @@ fn test(name: &str) -> Option<&'static str> {
 }
 
 /// What stands between the columns of the first row that is no comment.
-fn delimiter(bytes: &[u8]) -> u8 {
+pub(crate) fn delimiter(bytes: &[u8]) -> u8 {
     let mut lines = bytes.split(|byte| *byte == b'\n');
     let first = lines.find(|line| !line.starts_with(b"#") && !line.trim_ascii().is_empty());
     let first = first.unwrap_or_default();

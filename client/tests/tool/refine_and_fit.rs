@@ -153,3 +153,68 @@ fn tests_that_say_too_little_are_refused_or_warned_of() {
         alone.stderr
     );
 }
+
+/// Forces of the press of the example by its constants, as if they had been measured.
+fn squeeze(scene: &Path, sets: &[&str]) -> String {
+    let arguments = ["solve", text(scene), "--json", "--quiet"];
+    let run = run(arguments.into_iter().chain(sets.iter().copied()));
+    assert_done(&run);
+    let mut table = "time,force.press.z\n".to_owned();
+    for step in run.events("step") {
+        let [time, force] = [&step["time"], &step["obstacles"]["press"]["force"][2]];
+        table.push_str(&format!("{time},{force}\n"));
+    }
+    table
+}
+
+#[test]
+fn constants_come_back_from_the_force_of_a_press_through_contact() {
+    let folder = folder("constants_come_back");
+    let scene = example("mr-block.toml");
+    let sets = ["--set", "step.0.increments=4"];
+    let data = folder.join("squeeze.csv");
+    std::fs::write(&data, squeeze(&scene, &sets)).unwrap();
+    let known: toml::Table = std::fs::read_to_string(&scene).unwrap().parse().unwrap();
+    let known = &known["material"]["body"];
+    let plot = folder.join("fit.svg");
+    let away = [
+        "--set",
+        "material.body.c10=0.15",
+        "--set",
+        "material.body.c01=0.2",
+    ];
+    let fit = [
+        "fit",
+        text(&scene),
+        text(&data),
+        "--json",
+        "--plot",
+        text(&plot),
+    ];
+    let fit = run(fit.into_iter().chain(sets).chain(away));
+    assert_done(&fit);
+    let object: Value = serde_json::from_str(&fit.stdout).unwrap();
+    assert!(object["solves"].as_u64().unwrap() <= 15, "{object}");
+    assert_eq!(object["points"], 4);
+    for constant in object["constants"].as_array().unwrap() {
+        let name = constant["name"].as_str().unwrap();
+        let exact = known[name].as_float().unwrap();
+        let found = constant["value"].as_f64().unwrap();
+        assert!(
+            (found - exact).abs() < 1e-5 * exact.abs(),
+            "{name}: {found} {exact}"
+        );
+    }
+    assert!(
+        std::fs::read_to_string(plot)
+            .unwrap()
+            .contains("force.press.z")
+    );
+
+    std::fs::write(&data, "time,force.press.z\n1.5,-1\n").unwrap();
+    let late = run(["fit", text(&scene), text(&data)]);
+    assert_eq!(late.code, Some(4));
+    assert!(late.stderr.contains("line 2: time 1.5"), "{}", late.stderr);
+    let law = run(["fit", text(&scene), text(&data), "--model", "yeoh"]);
+    assert_eq!(law.code, Some(2), "{}", law.stderr);
+}
