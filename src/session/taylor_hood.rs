@@ -245,9 +245,12 @@ impl TaylorHoodBody {
             let area = mesh.cell_kind().signed_measure(&mesh.corners(cell));
             area * units.coordinate_scale.powi(dimension)
         };
-        let size = |cell: usize| match model.plan.is_axisymmetric() {
-            true => of_section(cell),
-            false => volumes[cell],
+        let size = |cell: usize| {
+            if model.plan.is_axisymmetric() {
+                of_section(cell)
+            } else {
+                volumes[cell]
+            }
         };
         let of_cell = |(cell, part): (usize, f64)| part / (size(cell) * unit);
         parts.into_iter().enumerate().map(of_cell).collect()
