@@ -51,7 +51,7 @@ def rest(solver, drive, state, before):
     u, p = state
     problem, surface, free = solver.problem, solver.surface, solver.free
     none = np.zeros(surface.multipliers)
-    gaps, coupling, _ = surface.contact(u, None, none)
+    gaps, coupling, _ = surface.contact(u, problem.placed(drive), none)
     body = solver.body.respond(u, p)
     forces = (body.forces - drive.load * problem.load)[free]
     closed = np.flatnonzero(np.abs(gaps) < CLOSED * surface.areas * solver.length)

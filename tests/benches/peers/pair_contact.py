@@ -2,9 +2,10 @@
 """Scenes of bodies in contact with each other by an independent solver. usage: pair_contact.py SCENE.toml [--parts N]
 [--points N]. Needs: pip install numpy scipy, and pypardiso for speed.
 
-Plane strain and bodies of revolution, Taylor-Hood P2-P1, linear elasticity or rubber of Mooney and Rivlin, no friction;
-a direct semismooth Newton method (`saddle_newton`) on gaps by volume (`pair_gap`). One JSON line an increment: energy,
-forces of the contacts on the body named first, largest pressures, active multipliers, displacements of probes.
+Plane strain and bodies of revolution, Taylor-Hood P2-P1, linear elasticity or rubber of Mooney and Rivlin, friction or
+none, tools beside (without friction); a direct semismooth Newton method on gaps by volume (`pair_gap`). One JSON line
+an increment: energy, forces and moments of the contacts on the body named first, largest pressures, active multipliers,
+forces of tools, displacements of probes.
 """
 import argparse
 import json
@@ -70,10 +71,18 @@ def record(solver, state, drive):
     return {
         "strain_energy": strain_energy(problem, body, state),
         "contacts": contacts,
+        "obstacles": tools(solver, state, drive),
         "probes": {probe["name"]: probed(problem, state, probe["point"]) for probe in problem.scene.get("probe", [])},
         "least_within": problem.body.least_within(state.u) if problem.is_rubber else None,
         "iterations": solver.iterations,
     }
+
+
+def tools(solver, state, drive):
+    """Forces of the obstacles beside."""
+    problem, surface = solver.problem, solver.surface.tools
+    forces = surface.forces(state.u, problem.placed(drive), state.multipliers[: surface.multipliers])
+    return {name: force.tolist() for name, force in zip(problem.obstacle_names, forces)}
 
 
 def probed(problem, state, place):

@@ -2,9 +2,9 @@
 
 Kinds: flat blocks, wavy and tilted interfaces, blocks with a corner in the contact, rings in rings (shrink fits, and
 pushed aside), rollers on blocks and on each other, closed boxes, stacks of three with a floating one, blocks under a
-traction that contact alone holds, bushes on shafts about an axis. Moduli 1:1 to 1:1e6 either way, Poisson ratios .3,
-.49 and .5, rubber, meshes finer and coarser, either side carrying where neither is much stiffer; a press, then mostly a
-slide or a pull back.
+traction or a tool that contact alone holds, bushes on shafts about an axis. Moduli 1:1 to 1:1e6 either way, Poisson
+ratios .3, .49 and .5, rubber, meshes finer and coarser, either side carrying where neither is much stiffer; a press,
+then mostly a slide or a pull back.
 """
 import math
 from dataclasses import dataclass, field
@@ -27,6 +27,8 @@ class Draft:
     contacts: list = field(default_factory=list)
     # Of each step: {support: {axis: value}}
     steps: list = field(default_factory=list)
+    obstacles: list = field(default_factory=list)
+    travel: float = 0.0
     tractions: list = field(default_factory=list)
     probes: list = field(default_factory=list)
     revolved: bool = False
@@ -260,13 +262,29 @@ def bush(it):
     it.revolved = True
 
 
+def tool(it):
+    """Two blocks under a tool that comes down on the upper one, which contact alone holds vertically."""
+    flat(it)
+    it.supports[1] = ("guide", "upper-x0", {"x": 0.0})
+    top = it.bodies[1].points[:, 1].max()
+    if it.random.random() < 0.5:
+        shape = f'{{ kind = "half-space", point = [0.0, {top:.8f}, 0.0], normal = [0.0, -1.0, 0.0] }}'
+    else:
+        radius = it.between(0.5, 2.0)
+        centre = f"[{it.between(-0.1, 0.1):.8f}, {top + radius:.8f}, 0.0]"
+        shape = f'{{ kind = "sphere", centre = {centre}, radius = {radius:.8f} }}'
+    it.obstacles.append(("tool", "upper-y1", shape))
+    it.steps = [{}]
+    it.travel = -it.between(0.005, 0.06)
+
+
 KINDS = {kind.__name__: kind for kind in (
-    flat, tilted, wavy, corner, box, rings, journal, roller, rollers, stack, floating, bush,
+    flat, tilted, wavy, corner, box, rings, journal, roller, rollers, stack, floating, bush, tool,
 )}
 
 
-# Bodies that begin inside each other, which `pair_friction` does not push apart.
-TIGHT = ("rings", "bush")
+# Bodies that begin inside each other, which `pair_friction` does not push apart, and tools beside.
+TIGHT = ("rings", "bush", "tool")
 # Kinds that may have meshes of second order.
 ROUND = ("wavy", "box", "rings", "journal", "roller", "rollers")
 
@@ -326,6 +344,8 @@ def toml(it):
     for group, value in it.tractions:
         x, y = (softest * component for component in value)
         lines += ["", "[[traction]]", f'on = "{group}"', f"value = [{x:.8g}, {y:.8g}, 0.0]"]
+    for name, group, shape in it.obstacles:
+        lines += ["", "[[obstacle]]", f'name = "{name}"', f'on = "{group}"', f"shape = {shape}"]
     for number, pair in enumerate(it.contacts):
         lines += ["", "[[contact]]", f'name = "pair-{number}"', f'between = ["{pair[0]}", "{pair[1]}"]']
         lines += it.friction[number : number + 1]
@@ -335,6 +355,7 @@ def toml(it):
     for step in it.steps:
         lines += ["", "[[step]]", f"increments = {it.count(1, 4)}"]
         lines += [f"support.{name} = {{ displacement = {table(values)} }}" for name, values in step.items()]
+        lines += [f"obstacle.{name} = {{ translation = [0.0, {it.travel:.8f}, 0.0] }}" for name, _, _ in it.obstacles]
     for number, (x, y) in enumerate(it.probes):
         lines += ["", "[[probe]]", f'name = "probe-{number}"', f"point = [{x:.8f}, {y:.8f}, 0.0]"]
     return "\n".join([*lines, "", "[solver]", "tolerance = 1e-11", ""])

@@ -100,6 +100,10 @@ def differences(mine, theirs, scales, axes):
         scales["probe"] = max(scales["probe"], np.abs(own).max())
         apart = np.abs(np.array(theirs["probes"][name]["displacement"][:2]) - own).max()
         found["probe"] = max(found["probe"], apart)
+    for name, own in mine["obstacles"].items():
+        apart = np.abs(np.array(theirs["obstacles"][name]["force"]) - own).max()
+        found["force"] = max(found["force"], apart)
+        scales["force"] = max(scales["force"], np.abs(own).max())
     # Bodies are about one wide.
     scales["dissipated"], scales["moment"] = scales["energy"], scales["force"]
     return {what: value / scales[what] for what, value in found.items()}

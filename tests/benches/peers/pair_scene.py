@@ -16,8 +16,11 @@ class PairProblem(Problem):
     def __init__(self, path, points=POINTS):
         super().__init__(path)
         scene, mesh = self.scene, self.mesh
-        if scene.get("obstacle") or not scene.get("contact"):
-            raise ValueError("contact between bodies, and no obstacles, are solved here")
+        if not scene.get("contact"):
+            raise ValueError("contact between bodies is solved here")
+        is_rough = any("friction" in table or "tresca" in table for table in scene["contact"])
+        if scene.get("obstacle") and is_rough:
+            raise ValueError("friction beside obstacles is not solved here")
         held = np.zeros(self.body.displacements, dtype=bool)
         held[self.held] = True
         options = (self.is_rubber, scene.get("kind") == "axisymmetric", points)
@@ -28,7 +31,7 @@ class PairProblem(Problem):
             table["carrier"] = self.carrier(table, sides)
             ordered = [sides[table["carrier"]], sides[1 - table["carrier"]]]
             pairs.append(Pair(table["name"], mesh, ordered, held, options))
-        self.surface = Pairs(mesh, pairs)
+        self.surface = Pairs(mesh, pairs, (self.surface, self.placed(self.start())))
 
     @staticmethod
     def named(number, table):

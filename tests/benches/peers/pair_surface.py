@@ -180,25 +180,33 @@ def dofs(nodes):
 
 
 class Pairs:
-    """All contacts between bodies of a scene, in the place of a `saddle_surface.Surface`."""
+    """All contacts between bodies of a scene, in the place of a `saddle_surface.Surface`; multipliers of `tools`, one
+    of these with its obstacles at rest, come first."""
 
-    def __init__(self, mesh, pairs):
+    def __init__(self, mesh, pairs, tools):
         self.mesh, self.pairs = mesh, pairs
-        self.ends = np.cumsum([0] + [pair.multipliers for pair in pairs])
+        self.tools, self.at_rest = tools
+        self.ends = self.tools.multipliers + np.cumsum([0] + [pair.multipliers for pair in pairs])
         self.multipliers = int(self.ends[-1])
-        self.areas = np.concatenate([pair.areas for pair in pairs])
+        self.areas = np.concatenate([self.tools.areas] + [pair.areas for pair in pairs])
         # What gaps are let in by.
         self.admitted = np.zeros(self.multipliers)
 
     def own(self, values):
         return [values[a:b] for a, b in zip(self.ends[:-1], self.ends[1:])]
 
-    def contact(self, u, _obstacles, multipliers):
+    def contact(self, u, obstacles, multipliers):
         found = [pair.contact(u, own) for pair, own in zip(self.pairs, self.own(multipliers))]
         gaps, coupling, entries = zip(*found)
         size = 2 * len(self.mesh.nodes)
         curvature = matrix([entry for own in entries for entry in own], (size, size))
-        return np.concatenate(gaps) + self.admitted, sp.csr_matrix(np.concatenate(coupling)), curvature
+        gaps, coupling = np.concatenate(gaps), sp.csr_matrix(np.concatenate(coupling))
+        if self.tools.multipliers:
+            pressed = multipliers[: self.tools.multipliers]
+            by_tools = self.tools.contact(u, self.at_rest if obstacles is None else obstacles, pressed)
+            gaps = np.concatenate([by_tools[0], gaps])
+            coupling, curvature = sp.vstack([by_tools[1], coupling]).tocsr(), curvature + by_tools[2]
+        return gaps + self.admitted, coupling, curvature
 
     def forces(self, u, multipliers):
         """Force on the carrier of each contact with its moment [3], and on the other body."""
