@@ -70,9 +70,18 @@ pub(super) fn end(goals: &[GoalRound], answers: &[GoalReport]) -> Option<End> {
     }
     let rest = |(goal, answer): (&GoalRound, &GoalReport)| {
         let solver = answer.bound.as_ref().map_or(0.0, |bound| bound.solver);
-        let relative = (goal.geometry + solver) / goal.value.abs();
-        (goal.geometry > 0.0 && relative > goal.tolerance).then(|| End::Facets {
-            goal: goal.goal.clone(),
+        let size = goal.value.abs();
+        let named = goal.goal.clone();
+        if solver / size > goal.tolerance {
+            let relative = solver / size;
+            return Some(End::Solver {
+                goal: named,
+                relative,
+            });
+        }
+        let relative = (goal.geometry + solver) / size;
+        (goal.geometry > 0.0 && relative > goal.tolerance).then_some(End::Facets {
+            goal: named,
             relative,
         })
     };
@@ -188,6 +197,23 @@ mod tests {
         // By symmetry, to rounding.
         assert_eq!(end(&[goal(1e-15, 1e-3)], &[answer(&[0.0])]), zero);
         assert_eq!(end(&[goal(1e-6, 1e-3)], &[answer(&[0.0])]), None);
+    }
+
+    #[test]
+    fn what_the_solver_left_ends_the_loop_where_it_is_too_much() {
+        let answer = GoalReport {
+            bound: Some(GoalBound {
+                solver: 0.4,
+                ..GoalBound::default()
+            }),
+            ..GoalReport::default()
+        };
+        let found = end(&[goal(2.0, 1.0)], &[answer]);
+        let expected = End::Solver {
+            goal: "force.lid.y".to_owned(),
+            relative: 0.2,
+        };
+        assert_eq!(found, Some(expected));
     }
 
     #[test]

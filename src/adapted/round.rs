@@ -69,8 +69,8 @@ pub enum End {
     },
     /// The next mesh would take more memory than is allowed.
     Memory {
-        /// Bytes that it would take.
-        needed: u64,
+        /// Bytes that it would take; none where it was not made to the end.
+        needed: Option<u64>,
         /// What is allowed.
         most: u64,
     },
@@ -92,6 +92,13 @@ pub enum End {
         /// The goal.
         goal: String,
         /// Their part of the bound over the absolute value.
+        relative: f64,
+    },
+    /// What the solver left makes more of a goal than is asked for.
+    Solver {
+        /// The goal.
+        goal: String,
+        /// Its part of the bound over the absolute value.
         relative: f64,
     },
     /// The goal is zero: it has no relative error.
@@ -116,6 +123,7 @@ impl End {
             Self::Time { .. } => "max_time",
             Self::Rounds(_) => "max_rounds",
             Self::Facets { .. } => "facets",
+            Self::Solver { .. } => "solver",
             Self::Zero(_) => "zero",
             Self::NotConverged(_) => "not_converged",
         }
@@ -137,9 +145,16 @@ impl fmt::Display for End {
                 out,
                 "the next mesh would have more unknowns than the {most} that are allowed"
             ),
-            Self::Memory { needed, most } => write!(
+            Self::Memory {
+                needed: Some(needed),
+                most,
+            } => write!(
                 out,
                 "the next mesh would take {needed} bytes, and {most} are allowed"
+            ),
+            Self::Memory { needed: None, most } => write!(
+                out,
+                "the next mesh would take more than the {most} bytes that are allowed"
             ),
             Self::NoRoom { needed } => write!(
                 out,
@@ -155,6 +170,10 @@ impl fmt::Display for End {
                 "flat facets stand for a curved surface and make {:.2} % of {goal}: use cells of \
                  second order, or surface = \"smooth\"",
                 100.0 * relative
+            ),
+            Self::Solver { goal, relative } => write!(
+                out,
+                "what the solver left makes {relative:.1e} of {goal}: ask for less, or give solver.tolerance"
             ),
             Self::Zero(goal) => write!(out, "{goal} is zero, which has no relative error"),
             Self::NotConverged(termination) => write!(

@@ -329,7 +329,7 @@ impl Left<'_> {
                 most: limits.unknowns.unwrap_or(limit as u64),
             })),
             RefinementError::TooMuchMemory { limit } => Ok(Err(End::Memory {
-                needed: limit,
+                needed: None,
                 most: limit,
             })),
             RefinementError::NoSuchCell { .. } | RefinementError::NoMesh(_) => Err(error.into()),
@@ -346,7 +346,7 @@ impl Left<'_> {
         }
         let most = limits.bytes.filter(|most| bytes > *most)?;
         Some(End::Memory {
-            needed: bytes,
+            needed: Some(bytes),
             most,
         })
     }

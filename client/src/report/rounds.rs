@@ -19,6 +19,9 @@ pub(crate) fn told(round: &Round) -> String {
 }
 
 fn of_goal(name: &str, goal: &RoundGoal) -> String {
+    if goal.value == 0.0 {
+        return format!("{name} = 0 +- {}", number(goal.bound));
+    }
     let [bound, asked] = [goal.bound / goal.value.abs(), goal.tolerance].map(|share| 100.0 * share);
     format!(
         "{name} = {} +- {} % of {} %",

@@ -41,6 +41,7 @@ pub(crate) fn end(end: &End) -> wire::RefinementEnd {
         End::Time { .. } => wire::RefinementEnd::MaxTime,
         End::Rounds(_) => wire::RefinementEnd::MaxRounds,
         End::Facets { .. } => wire::RefinementEnd::Facets,
+        End::Solver { .. } => wire::RefinementEnd::Solver,
         End::Zero(_) => wire::RefinementEnd::Zero,
         End::NotConverged(_) => wire::RefinementEnd::NotConverged,
     }

@@ -72,6 +72,7 @@ fn word(end: v1::RefinementEnd) -> &'static str {
         v1::RefinementEnd::Zero => "zero",
         v1::RefinementEnd::NotConverged => "not_converged",
         v1::RefinementEnd::NoRoom => "no_room",
+        v1::RefinementEnd::Solver => "solver",
     }
 }
 
