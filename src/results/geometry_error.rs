@@ -162,7 +162,6 @@ fn nearest_rotation(matrix: Matrix3) -> Matrix3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::ContactFace;
     use crate::geometry::rigid_motion::rotation_matrix;
     use crate::geometry::tensor::product;
 
