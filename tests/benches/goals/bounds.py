@@ -224,6 +224,8 @@ def uniform(folder, text, goal):
 def adapted(folder, text, goal):
     """Value, estimate and bound of each mesh but the first and the last ones, and the reference."""
     _, step, bound = bounded(folder, text, goal)
+    if not value(step, goal):
+        raise RuntimeError("the goal is zero")
     aim = max(bound["total"] / abs(value(step, goal)) / PART, 1e-5)
     lines, _ = run(folder, text + f"[accuracy]\n{goal} = {aim}\nmax_unknowns = {MOST_UNKNOWNS}\n")
     rounds = [line["goals"][goal] for line in lines if line["event"] == "round"]
