@@ -22,6 +22,9 @@
 //! | [`chain`] | surfaces: neighbours, corners, ends |
 //! | [`tree`] | faces near a face |
 //! | [`pair`] | gaps of two surfaces |
+//! | [`between`] | what gaps have to tell, in whatever dimension |
+//! | [`plane`] | both sides in the plane or about an axis, by functions |
+//! | [`ground`] | what surfaces lie on |
 //! | [`surface`] | gaps, coupling and curvature of a surface of multipliers |
 //! | [`slip`] | how far a piece has slid, and what tractions do |
 //! | [`sliding`] | slips of a surface of multipliers |
@@ -31,11 +34,14 @@
 //! deformation solid mechanics* (2004); A. Popp, M. Gitterle, M. Gee and W. Wall, *A dual mortar
 //! approach for 3D finite deformation contact* (2010), for averaged normals and segments.
 
+mod between;
 pub mod chain;
 pub mod choice;
+mod ground;
 pub mod number;
 pub mod pair;
 pub mod piece;
+mod plane;
 pub mod probing;
 pub mod sliding;
 pub mod slip;
@@ -43,10 +49,11 @@ pub mod surface;
 pub mod tree;
 
 pub use chain::{Chain, ChainFace};
+pub use ground::Ground;
 pub use pair::{Meeting, Pair, Part, Placed, Probe};
 pub use piece::Section;
 pub use slip::Sliding;
-pub use surface::{Ground, PairForce, PairSurface};
+pub use surface::{PairForce, PairSurface};
 
 #[cfg(test)]
 mod tests;

@@ -10,11 +10,12 @@
 
 use super::pair::Placed;
 use super::piece::NODES;
+use super::plane::{PlaneGaps, PlaneSides, unknowns};
 use super::slip::Sliding;
-use super::surface::{PairSurface, keep_free, unknowns};
+use super::surface::{PairSurface, free_matrix, keep_free, uncovered};
 use crate::contact::shares::add_equal_columns;
 use crate::contact::{ContactSurface, Deformed, Measure};
-use crate::linalg::{SparseRows, SparseRowsBuilder};
+use crate::linalg::SparseRows;
 
 /// Entries by unknown.
 type Row = Vec<(u32, f64)>;
@@ -50,17 +51,20 @@ impl PairSurface {
         start: &[f64],
         surface: &ContactSurface,
     ) -> Sliding {
+        let count = surface.carriers.len();
+        let Some(sides) = self.plane() else {
+            return Sliding::none(count);
+        };
         let place = place_at(body, start);
-        self.placed(body, |placed| {
-            let count = surface.carriers.len();
+        sides.placed(body, |placed| {
             let [mut slips, mut weights, mut x, mut y] = [0; 4].map(|_| vec![0.0; count]);
             let mut rows: Vec<Row> = vec![Vec::new(); count];
             for part in placed.slid(&place) {
-                self.add_gaps(part.face, part.slips, &mut slips);
-                self.add_gaps(part.face, part.areas, &mut weights);
-                self.add_gaps(part.face, part.tangents[0], &mut x);
-                self.add_gaps(part.face, part.tangents[1], &mut y);
-                self.add_rows((part.face, &part.nodes), &part.rows, &mut rows);
+                sides.add(part.face, part.slips, &mut slips);
+                sides.add(part.face, part.areas, &mut weights);
+                sides.add(part.face, part.tangents[0], &mut x);
+                sides.add(part.face, part.tangents[1], &mut y);
+                sides.add_rows((part.face, &part.nodes), &part.rows, &mut rows);
             }
             let shares = &surface.shares;
             let [x, y] = [x, y].map(|own| shares.gather(own));
@@ -68,7 +72,7 @@ impl PairSurface {
                 tangents: x.into_iter().zip(y).map(|(x, y)| [x, y]).collect(),
                 slips: shares.gather(slips),
                 weights: shares.gather(weights),
-                rows: self.finished(rows, (placed, surface)),
+                rows: sides.finished(rows, (placed, surface)),
             }
         })
     }
@@ -83,14 +87,15 @@ impl PairSurface {
         if body.measure != Measure::Deformed {
             return None;
         }
+        let sides = self.plane()?;
         let place = place_at(body, start);
-        let mut rows = self.placed(body, |placed| {
+        let mut rows = sides.placed(body, |placed| {
             let mut rows: Vec<Row> = vec![Vec::new(); surface.carriers.len()];
             for part in placed.slips_first(&place) {
                 let own = part.gaps.map(|gap| gap.first);
-                self.add_rows((part.face, &part.nodes), &own, &mut rows);
+                sides.add_rows((part.face, &part.nodes), &own, &mut rows);
             }
-            self.finished(rows, (placed, surface))
+            sides.finished(rows, (placed, surface))
         });
         rows.iter_mut().for_each(|row| keep_free(row, held));
         Some(rows)
@@ -107,30 +112,24 @@ impl PairSurface {
         if body.measure != Measure::Deformed {
             return None;
         }
+        let sides = self.plane()?;
         let coefficients = surface.shares.spread(tractions);
-        let factors: Vec<[f64; 3]> = self.of_faces(&coefficients);
+        let factors: Vec<[f64; 3]> = sides.of_faces(&coefficients);
         let mut rows: Vec<Row> = vec![Vec::new(); body.space.displacement_unknowns()];
-        self.placed(body, |placed| {
+        sides.placed(body, |placed| {
             for (nodes, change) in placed.traction_changes(&factors) {
                 let columns: Vec<u32> = unknowns(&nodes).collect();
                 for (&row, entries) in columns.iter().zip(change.iter()) {
                     let own = columns.iter().copied().zip(entries.iter().copied());
-                    if !held[row as usize] {
-                        rows[row as usize].extend(own);
-                    }
+                    rows[row as usize].extend(own);
                 }
             }
         });
-        let mut builder = SparseRowsBuilder::new(rows.len());
-        for mut row in rows {
-            add_equal_columns(&mut row);
-            keep_free(&mut row, held);
-            row.retain(|&(_, value)| value != 0.0);
-            builder.push_row(&mut row);
-        }
-        Some(builder.finish())
+        Some(free_matrix(rows, held))
     }
+}
 
+impl PlaneSides {
     /// Adds rows of the three functions of a face to those of all `[functions]`.
     fn add_rows<const N: usize>(
         &self,
@@ -152,7 +151,13 @@ impl PairSurface {
     ) -> Vec<Row> {
         rows.iter_mut().for_each(add_equal_columns);
         let mut rows = surface.shares.gather_rows(rows);
-        let uncovered = self.uncovered(placed, surface);
+        let found = PlaneGaps {
+            sides: self,
+            placed,
+            count: surface.carriers.len(),
+            unknowns: 0,
+        };
+        let uncovered = uncovered(&found, surface);
         for (row, _) in rows
             .iter_mut()
             .zip(&uncovered)

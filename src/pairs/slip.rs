@@ -60,6 +60,18 @@ pub struct Sliding {
     pub rows: Vec<Vec<(u32, f64)>>,
 }
 
+impl Sliding {
+    /// No slips of `count` multipliers.
+    pub(super) fn none(count: usize) -> Self {
+        Self {
+            slips: vec![0.0; count],
+            weights: vec![0.0; count],
+            tangents: vec![[0.0; 2]; count],
+            rows: vec![Vec::new(); count],
+        }
+    }
+}
+
 /// What tractions of a piece take off the stiffness `[force][motion]`.
 pub type Change = [[f64; INPUTS]; INPUTS];
 

@@ -12,17 +12,16 @@
 
 use std::collections::BTreeSet;
 
-use super::chain::Chain;
-use super::number::Second;
-use super::pair::{Pair, Placed};
-use super::piece::{INPUTS, NODES, Section};
+use super::between::Gaps;
+use super::ground::Ground;
+use super::piece::Section;
+use super::plane::{PlaneGaps, PlaneSides};
 use super::probing::Probing;
 use super::slip::Sliding;
 use crate::contact::shares::add_equal_columns;
-use crate::contact::{ContactSurface, Deformed, Linearisation, Measure};
+use crate::contact::{ContactSurface, Counterpart, Deformed, Linearisation, Measure};
+use crate::geometry::vector3::{add, cross};
 use crate::linalg::{SparseRows, SparseRowsBuilder};
-use crate::mesh::Mesh;
-use crate::space::TaylorHood;
 
 /// Share of a function that must have a partner for it to press.
 const LEAST_COVERED: f64 = 1e-3;
@@ -30,63 +29,52 @@ const LEAST_COVERED: f64 = 1e-3;
 /// The functions of a surface and what they meet.
 #[derive(Clone, Debug)]
 pub struct PairSurface {
-    pub(super) pair: Pair,
-    /// Functions of each face of the carrier: of its ends a and b and its edge `[faces]`.
-    functions: Vec<[u32; 3]>,
+    sides: Sides,
     /// Gaps and rows of all columns at rest, of a linear body.
     at_rest: Option<Linearisation>,
     /// Rows of slips at rest, of a linear body with friction.
     pub(super) sliding_at_rest: Option<Sliding>,
 }
 
-/// What surfaces lie on.
-#[derive(Clone, Copy)]
-pub struct Ground<'a> {
-    /// The mesh.
-    pub mesh: &'a Mesh,
-    /// Numbering of the displacement.
-    pub space: &'a TaylorHood,
-    /// Whether supports hold a displacement unknown.
-    pub is_held: &'a dyn Fn(u32) -> bool,
+/// Both surfaces.
+#[derive(Clone, Debug)]
+enum Sides {
+    Plane(PlaneSides),
 }
 
 /// Force and moment of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PairForce {
-    /// Force on the body that carries the pressures `[2]`, non-dimensional.
-    pub on_carrier: [f64; 2],
-    /// Its moment about the origin.
-    pub moment: f64,
-    /// Force on the other body `[2]`.
-    pub on_other: [f64; 2],
-    /// Its moment about the origin.
-    pub other_moment: f64,
+    /// Force on the body that carries the pressures `[3]`, non-dimensional.
+    pub on_carrier: [f64; 3],
+    /// Its moment about the origin `[3]`.
+    pub moment: [f64; 3],
+    /// Force on the other body `[3]`.
+    pub on_other: [f64; 3],
+    /// Its moment about the origin `[3]`.
+    pub other_moment: [f64; 3],
 }
 
 impl PairForce {
     /// Adds the force on a node of the carrier or of the other surface.
-    fn add(&mut self, body: &Deformed<'_>, (node, force): (u32, [f64; 2]), is_other: bool) {
-        let [x, y, _] = body.place(node as usize);
+    fn add(&mut self, body: &Deformed<'_>, (node, force): (u32, [f64; 3]), is_other: bool) {
         let (total, turn) = if is_other {
             (&mut self.on_other, &mut self.other_moment)
         } else {
             (&mut self.on_carrier, &mut self.moment)
         };
-        *turn += x * force[1] - y * force[0];
+        *turn = add(*turn, cross(body.place(node as usize), force));
         // An even motion moves vertices alone: edges have what they are off the mean of these.
         if (node as usize) < body.space.vertices {
-            total
-                .iter_mut()
-                .zip(force)
-                .for_each(|(sum, own)| *sum += own);
+            *total = add(*total, force);
         }
     }
 
     /// The part along the axis of a body of revolution, which bears the rest itself.
     fn along_axis(self) -> Self {
         Self {
-            on_carrier: [0.0, self.on_carrier[1]],
-            on_other: [0.0, self.on_other[1]],
+            on_carrier: [0.0, self.on_carrier[1], 0.0],
+            on_other: [0.0, self.on_other[1], 0.0],
             ..Self::default()
         }
     }
@@ -96,29 +84,21 @@ impl PairSurface {
     /// Of the facets `carrier`, those of `surface` in their order, and `other`.
     pub fn new(
         ground: Ground<'_>,
-        [carrier, other]: [&[u32]; 2],
+        facets: [&[u32]; 2],
         (surface, section): (&ContactSurface, Section),
     ) -> Self {
-        let Ground { mesh, space, .. } = ground;
-        let pair = Pair {
-            carrier: Chain::new(mesh, space, carrier).between_walls(mesh, ground.is_held),
-            other: Chain::new(mesh, space, other),
-            section,
-        };
-        let faces = pair.carrier.faces.iter().zip(&surface.faces);
-        let functions = faces.map(|(face, own)| {
-            let [a, b, edge] = [0, 1, 2].map(|k| own.functions.get(k).copied().unwrap_or(0));
-            if face.is_turned {
-                [b, a, edge]
-            } else {
-                [a, b, edge]
-            }
-        });
+        let sides = Sides::Plane(PlaneSides::new(ground, facets, (surface, section)));
         Self {
-            functions: functions.collect(),
-            pair,
+            sides,
             at_rest: None,
             sliding_at_rest: None,
+        }
+    }
+
+    /// Both sides in the plane or about an axis; none in space.
+    pub(super) fn plane(&self) -> Option<&PlaneSides> {
+        match &self.sides {
+            Sides::Plane(plane) => Some(plane),
         }
     }
 
@@ -128,13 +108,23 @@ impl PairSurface {
         self.at_rest = Some(self.linearise(body, surface, &free));
     }
 
-    /// What `task` makes of the surfaces where `body` has them.
-    pub(super) fn placed<T>(&self, body: &Deformed<'_>, task: impl FnOnce(&Placed<'_>) -> T) -> T {
-        let place = |node: u32| {
-            let [x, y, _] = body.place(node as usize);
-            [x, y]
-        };
-        task(&self.pair.placed(&place))
+    /// What `task` makes of the gaps of functions where `body` has the surfaces.
+    fn gaps_of<T>(
+        &self,
+        (body, surface): (&Deformed<'_>, &ContactSurface),
+        task: impl FnOnce(&dyn Gaps) -> T,
+    ) -> T {
+        let (count, unknowns) = (surface.carriers.len(), body.space.displacement_unknowns());
+        match &self.sides {
+            Sides::Plane(sides) => sides.placed(body, |placed| {
+                task(&PlaneGaps {
+                    sides,
+                    placed,
+                    count,
+                    unknowns,
+                })
+            }),
+        }
     }
 
     /// Weighted gaps `[multipliers]`, and the deepest penetration.
@@ -143,16 +133,12 @@ impl PairSurface {
             let moved = from_rest(rest, body.displacement, surface);
             return (moved.gap, moved.max_penetration);
         }
-        self.placed(body, |placed| {
-            let mut gaps = vec![0.0; surface.carriers.len()];
-            for part in placed.gaps() {
-                self.add_gaps(part.face, part.gaps, &mut gaps);
-            }
-            let mut gaps = surface.shares.gather(gaps);
-            for (gap, open) in gaps.iter_mut().zip(self.uncovered(placed, surface)) {
+        self.gaps_of((body, surface), |found| {
+            let mut gaps = surface.shares.gather(found.values());
+            for (gap, open) in gaps.iter_mut().zip(uncovered(found, surface)) {
                 *gap = open.unwrap_or(*gap);
             }
-            (gaps, deepest(placed))
+            (gaps, found.deepest())
         })
     }
 
@@ -165,78 +151,10 @@ impl PairSurface {
     ) -> Linearisation {
         let mut part = match &self.at_rest {
             Some(rest) => from_rest(rest, body.displacement, surface),
-            None => self.placed(body, |placed| self.linearised(placed, surface)),
+            None => self.gaps_of((body, surface), |found| linearised(found, surface)),
         };
         part.rows.iter_mut().for_each(|row| keep_free(row, held));
         part
-    }
-
-    /// Gaps and coupling to all columns.
-    fn linearised(&self, placed: &Placed<'_>, surface: &ContactSurface) -> Linearisation {
-        let mut gap = vec![0.0; surface.carriers.len()];
-        let mut rows = vec![Vec::new(); gap.len()];
-        for part in placed.first() {
-            self.add_gaps(part.face, part.gaps.map(|own| own.value), &mut gap);
-            for (&function, own) in self.functions[part.face].iter().zip(&part.gaps) {
-                let row: &mut Vec<(u32, f64)> = &mut rows[function as usize];
-                let entries = unknowns(&part.nodes).zip(&own.first);
-                row.extend(entries.map(|(unknown, change)| (unknown, -change)));
-            }
-        }
-        rows.iter_mut().for_each(add_equal_columns);
-        let mut rows = surface.shares.gather_rows(rows);
-        let mut gap = surface.shares.gather(gap);
-        let uncovered = self.uncovered(placed, surface);
-        for ((gap, row), open) in gap.iter_mut().zip(&mut rows).zip(uncovered) {
-            if let Some(open) = open {
-                *gap = open;
-                row.clear();
-            }
-        }
-        Linearisation {
-            gap,
-            rows,
-            max_penetration: deepest(placed),
-        }
-    }
-
-    /// Values of functions by the faces `[faces]`.
-    pub(super) fn of_faces(&self, values: &[f64]) -> Vec<[f64; 3]> {
-        let faces = self.functions.iter();
-        let of_face = |own: &[u32; 3]| own.map(|function| values[function as usize]);
-        faces.map(of_face).collect()
-    }
-
-    /// The functions of a face.
-    pub(super) fn functions_of(&self, face: usize) -> [u32; 3] {
-        self.functions[face]
-    }
-
-    pub(super) fn add_gaps(&self, face: usize, own: [f64; 3], gaps: &mut [f64]) {
-        for (&function, gap) in self.functions[face].iter().zip(own) {
-            gaps[function as usize] += gap;
-        }
-    }
-
-    /// Gaps of multipliers without a partner `[multipliers]`; none of others.
-    pub(super) fn uncovered(
-        &self,
-        placed: &Placed<'_>,
-        surface: &ContactSurface,
-    ) -> Vec<Option<f64>> {
-        let mut sums = [0, 1].map(|_| vec![0.0; surface.carriers.len()]);
-        for (face, own) in placed.covered().into_iter().enumerate() {
-            for (sums, own) in sums.iter_mut().zip(own) {
-                self.add_gaps(face, own, sums);
-            }
-        }
-        let [covered, whole] = sums.map(|sums| surface.shares.gather(sums));
-        let pairs = covered.into_iter().zip(whole);
-        pairs
-            .map(|(covered, whole)| {
-                (covered < LEAST_COVERED * whole).then_some(placed.reach * whole)
-            })
-            .collect()
     }
 
     /// K under `pressures` `[multipliers]`, without `held` rows and columns; nothing for linear bodies.
@@ -246,23 +164,14 @@ impl PairSurface {
         (surface, pressures): (&ContactSurface, &[f64]),
         held: &[bool],
     ) -> SparseRows {
-        let mut rows = vec![Vec::new(); body.space.displacement_unknowns()];
-        if body.measure == Measure::Deformed {
+        let size = body.space.displacement_unknowns();
+        let rows = if body.measure == Measure::Deformed {
             let coefficients = surface.shares.spread(pressures);
-            let factors = self.of_faces(&coefficients);
-            self.placed(body, |placed| {
-                for (nodes, sum) in placed.second(&factors) {
-                    add_block(&nodes, &sum, held, &mut rows);
-                }
-            });
-        }
-        let mut builder = SparseRowsBuilder::new(rows.len());
-        for mut row in rows {
-            add_equal_columns(&mut row);
-            row.retain(|&(_, value)| value != 0.0);
-            builder.push_row(&mut row);
-        }
-        builder.finish()
+            self.gaps_of((body, surface), |found| found.curvature(&coefficients))
+        } else {
+            vec![Vec::new(); size]
+        };
+        free_matrix(rows, held)
     }
 
     /// Forces of `pressures` `[multipliers]` on both bodies: derivatives of the gaps.
@@ -284,51 +193,88 @@ impl PairSurface {
         rows: &[Vec<(u32, f64)>],
         values: &[f64],
     ) -> PairForce {
-        let mut forces = vec![[0.0; 2]; body.space.nodes()];
+        let components = body.space.components;
+        let mut forces = vec![[0.0; 3]; body.space.nodes()];
         for (row, factor) in rows.iter().zip(values) {
             for &(unknown, value) in row {
-                forces[unknown as usize / 2][unknown as usize % 2] += value * factor;
+                forces[unknown as usize / components][unknown as usize % components] +=
+                    value * factor;
             }
         }
-        let others = self.pair.other.faces.iter().flat_map(|face| face.nodes);
-        let others: BTreeSet<u32> = others.collect();
+        let others = self.other_nodes();
         let mut sum = PairForce::default();
         for (node, force) in (0..).zip(&forces) {
             sum.add(body, (node, *force), others.contains(&node));
         }
-        match self.pair.section {
-            Section::Plane => sum,
-            Section::AboutAxis => sum.along_axis(),
+        match &self.sides {
+            Sides::Plane(plane) if plane.pair.section == Section::AboutAxis => sum.along_axis(),
+            Sides::Plane(_) => sum,
+        }
+    }
+
+    /// Displacement nodes of the other surface.
+    fn other_nodes(&self) -> BTreeSet<u32> {
+        match &self.sides {
+            Sides::Plane(plane) => {
+                let faces = plane.pair.other.faces.iter();
+                faces.flat_map(|face| face.nodes).collect()
+            }
         }
     }
 
     /// What points of the carrier's faces are to the other surface.
-    pub fn probing(&self, body: &Deformed<'_>) -> Probing {
-        self.placed(body, |placed| Probing::new(&self.pair, placed))
-    }
-}
-
-/// The two unknowns of each node of a piece.
-pub(super) fn unknowns(nodes: &[u32; NODES]) -> impl Iterator<Item = u32> + '_ {
-    nodes.iter().flat_map(|&node| [2 * node, 2 * node + 1])
-}
-
-/// Adds the second derivatives of a piece to free rows, at free columns.
-fn add_block(
-    nodes: &[u32; NODES],
-    sum: &Second<INPUTS>,
-    held: &[bool],
-    rows: &mut [Vec<(u32, f64)>],
-) {
-    let columns: Vec<u32> = unknowns(nodes).collect();
-    for (i, &row) in columns.iter().enumerate() {
-        if held[row as usize] {
-            continue;
+    pub fn probing(&self, body: &Deformed<'_>) -> Box<dyn Counterpart> {
+        match &self.sides {
+            Sides::Plane(sides) => sides.placed(body, |placed| {
+                Box::new(Probing::new(&sides.pair, placed)) as Box<dyn Counterpart>
+            }),
         }
-        let entries = columns.iter().enumerate();
-        let entries = entries.map(|(j, &column)| (column, sum.second_by(i, j)));
-        rows[row as usize].extend(entries.filter(|&(column, _)| !held[column as usize]));
     }
+}
+
+/// Gaps and coupling to all columns.
+fn linearised(found: &dyn Gaps, surface: &ContactSurface) -> Linearisation {
+    let mut derivatives = found.derivatives();
+    let entries = derivatives.rows.iter_mut().flatten();
+    entries.for_each(|(_, value)| *value = -*value);
+    let mut rows = surface.shares.gather_rows(derivatives.rows);
+    let mut gap = surface.shares.gather(derivatives.values);
+    let uncovered = uncovered(found, surface);
+    for ((gap, row), open) in gap.iter_mut().zip(&mut rows).zip(uncovered) {
+        if let Some(open) = open {
+            *gap = open;
+            row.clear();
+        }
+    }
+    Linearisation {
+        gap,
+        rows,
+        max_penetration: found.deepest(),
+    }
+}
+
+/// Gaps of multipliers without a partner `[multipliers]`; none of others.
+pub(super) fn uncovered(found: &dyn Gaps, surface: &ContactSurface) -> Vec<Option<f64>> {
+    let [covered, whole] = found.covered().map(|sums| surface.shares.gather(sums));
+    let pairs = covered.into_iter().zip(whole);
+    pairs
+        .map(|(covered, whole)| (covered < LEAST_COVERED * whole).then_some(found.reach() * whole))
+        .collect()
+}
+
+/// The matrix of `rows` without `held` rows and columns.
+pub(super) fn free_matrix(rows: Vec<Vec<(u32, f64)>>, held: &[bool]) -> SparseRows {
+    let mut builder = SparseRowsBuilder::new(rows.len());
+    for (mut row, &is_held) in rows.into_iter().zip(held) {
+        if is_held {
+            row.clear();
+        }
+        keep_free(&mut row, held);
+        add_equal_columns(&mut row);
+        row.retain(|&(_, value)| value != 0.0);
+        builder.push_row(&mut row);
+    }
+    builder.finish()
 }
 
 pub(super) fn keep_free(row: &mut Vec<(u32, f64)>, held: &[bool]) {
@@ -357,11 +303,4 @@ fn from_rest(
         gap,
         rows: rest.rows.clone(),
     }
-}
-
-/// The deepest penetration at a point of the rule.
-fn deepest(placed: &Placed<'_>) -> f64 {
-    let probes = placed.meetings.iter();
-    let probes = probes.flat_map(|meeting| placed.probes(meeting));
-    probes.map(|probe| -probe.distance).fold(0.0, f64::max)
 }

@@ -110,9 +110,9 @@ pub(crate) fn add_friction_between(
             done.max_slip = done.max_slip.max(slip);
         }
         let place = friction.points[own.points.start].obstacle;
-        let tangential = [force[0] * units.force(), force[1] * units.force(), 0.0];
+        let tangential = force.map(|x| x * units.force());
         result.force = add(result.force, tangential);
-        result.moment[2] += moment * units.energy();
+        result.moment = add(result.moment, moment.map(|x| x * units.energy()));
         result.friction = Some(BodyFriction {
             tangential_force: tangential,
             stick_vertices: done.stick_vertices,

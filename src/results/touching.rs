@@ -99,8 +99,8 @@ impl<'a> Touching<'a> {
         let own = Own::of(interface, self.state);
         let at = own.acting([0.0; 3]);
         let probing = pair.probing(&self.body);
-        let extent = extent(&self.body, &interface.surface, &probing, at);
-        let found = resultant(&self.body, &interface.surface, &probing, at);
+        let extent = extent(&self.body, &interface.surface, &*probing, at);
+        let found = resultant(&self.body, &interface.surface, &*probing, at);
         let forces = pair.forces(&self.body, (&interface.surface, &own.pressure));
         let (force, moment, sign) = if first_carries {
             (forces.on_carrier, forces.moment, 1.0)
@@ -117,8 +117,8 @@ impl<'a> Touching<'a> {
         let intervals: Vec<ContactInterval> = intervals.collect();
         let area = extent.area * units.area();
         BodyContactResult {
-            force: [force[0] * units.force(), force[1] * units.force(), 0.0],
-            moment: [0.0, 0.0, moment * units.energy()],
+            force: force.map(|x| x * units.force()),
+            moment: moment.map(|x| x * units.energy()),
             contact_area: area,
             contact_width: intervals.iter().map(|own| own.width).sum(),
             contact_intervals: intervals,

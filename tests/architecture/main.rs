@@ -58,7 +58,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "pairs",
         &[
-            "parallel", "contact", "space", "obstacle", "linalg", "mesh", "element",
+            "parallel", "contact", "space", "obstacle", "linalg", "mesh", "element", "geometry",
         ],
     ),
     (

@@ -1,0 +1,40 @@
+//! What two surfaces where they are have to tell of the gap between them, function by function.
+//!
+//! ```text
+//! G_j,   dG_j / du,   sum_j factor_j Hess G_j
+//! ```
+//!
+//! Shapes: `[functions]`, rows by displacement unknowns, held ones too. A variant for the plane and
+//! about an axis, and one in space. Cost: see [`super::pair`] and [`super::space`].
+
+/// Entries by unknown.
+pub(super) type Row = Vec<(u32, f64)>;
+
+/// Gaps and their first derivatives.
+pub(super) struct Derivatives {
+    /// G `[functions]`.
+    pub(super) values: Vec<f64>,
+    /// dG/du `[functions]`, columns ascending.
+    pub(super) rows: Vec<Row>,
+}
+
+/// The gap between two surfaces.
+pub(super) trait Gaps {
+    /// G `[functions]`.
+    fn values(&self) -> Vec<f64>;
+
+    /// G and dG/du.
+    fn derivatives(&self) -> Derivatives;
+
+    /// Rows of sum_j factor_j Hess G_j of `factors` `[functions]`, entries of a column to be added up.
+    fn curvature(&self, factors: &[f64]) -> Vec<Row>;
+
+    /// int psi_j over what has a partner, and over all, by deformed area `[functions]`.
+    fn covered(&self) -> [Vec<f64>; 2];
+
+    /// The deepest penetration at a point of the rule.
+    fn deepest(&self) -> f64;
+
+    /// How far partners are looked for.
+    fn reach(&self) -> f64;
+}
