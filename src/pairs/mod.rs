@@ -24,6 +24,7 @@
 //! | [`pair`] | gaps of two surfaces |
 //! | [`between`] | what gaps have to tell, in whatever dimension |
 //! | [`plane`] | both sides in the plane or about an axis, by functions |
+//! | [`space`] | both sides in space |
 //! | [`ground`] | what surfaces lie on |
 //! | [`surface`] | gaps, coupling and curvature of a surface of multipliers |
 //! | [`slip`] | how far a piece has slid, and what tractions do |
@@ -45,6 +46,7 @@ mod plane;
 pub mod probing;
 pub mod sliding;
 pub mod slip;
+pub mod space;
 pub mod surface;
 pub mod tree;
 

@@ -1,0 +1,27 @@
+//! Two surfaces in space that may touch: gaps by the volume that rays along averaged normals sweep,
+//!
+//! ```text
+//! x + g n = y,   X_k = x_,k + t n_,k,   a = int n.(X_1 x X_2) dt from 0 to g
+//!              = g n.(x_,1 x x_,2) + g^2/2 n.(x_,1 x n_,2 + n_,1 x x_,2) + g^3/3 n.(n_,1 x n_,2)
+//! G_j = sum over pieces of int psi_j a dl_1 dl_2
+//! ```
+//!
+//! x a point of a face of six nodes of the carrier, l its barycentric coordinates, n linear on the face
+//! between the unit normals at its corners, y on a face of the other surface; psi_j the six Bernstein
+//! functions. Bodies lie behind their faces. Pieces are the parts of a face whose rays meet one face of
+//! the other surface: its outline as the rays see it, clipped by the face. Derivatives are those at
+//! points of the face that stay where they are: what a piece gains at a border its neighbour loses. Second
+//! derivatives have the motion of the borders beside.
+//! Lengths are those of the caller, G_j volumes.
+//!
+//! | file | part |
+//! |---|---|
+//! | [`patch`] | a curved triangle |
+//! | [`skin`] | surfaces: normals that faces share, rims, walls |
+//! | [`rays`] | where rays meet |
+
+pub mod patch;
+pub mod rays;
+pub mod skin;
+
+pub use skin::Skin;
