@@ -19,7 +19,11 @@
 //! | [`patch`] | a curved triangle |
 //! | [`skin`] | surfaces: normals that faces share, rims, walls |
 //! | [`rays`] | where rays meet |
+//! | [`outline`] | polygons on a face |
+//! | [`choice`] | the pieces of a face |
 
+pub mod choice;
+pub mod outline;
 pub mod patch;
 pub mod rays;
 pub mod skin;
