@@ -18,13 +18,17 @@
 //! |---|---|
 //! | [`patch`] | a curved triangle |
 //! | [`skin`] | surfaces: normals that faces share, rims, walls |
+//! | [`normals`] | normals and their derivatives |
 //! | [`rays`] | where rays meet |
 //! | [`outline`] | polygons on a face |
 //! | [`choice`] | the pieces of a face |
+//! | [`point`] | the gap at a point and its derivatives |
 
 pub mod choice;
+pub mod normals;
 pub mod outline;
 pub mod patch;
+pub mod point;
 pub mod rays;
 pub mod skin;
 
