@@ -23,13 +23,20 @@
 //! | [`outline`] | polygons on a face |
 //! | [`choice`] | the pieces of a face |
 //! | [`point`] | the gap at a point and its derivatives |
+//! | [`kinks`] | what borders between pieces add to second derivatives |
+//! | [`bends`] | second derivatives of a face |
+//! | [`pair`] | gaps of two surfaces, where they are |
 
+mod bends;
 pub mod choice;
+mod kinks;
 pub mod normals;
 pub mod outline;
+pub mod pair;
 pub mod patch;
 pub mod point;
 pub mod rays;
 pub mod skin;
 
+pub use pair::{Meeting, Pair, Placed};
 pub use skin::Skin;

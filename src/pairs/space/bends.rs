@@ -1,0 +1,138 @@
+//! Second derivatives of sum_j factor_j G_j of a face, with all its pieces and borders.
+//!
+//! Shapes: by vectors, the nodes and normals of the face, then the nodes of its partners, each once;
+//! `[vectors][3][vectors][3]`. Cost: some 5 us a point, 1 us a point of a border.
+
+use super::choice::Piece;
+use super::kinks::{self, Border, Kink, borders};
+use super::pair::{Meeting, Placed};
+use super::patch::{NODES, bernstein};
+use super::point::{Bend, Block, OTHER, VECTORS, completed};
+use crate::geometry::vector3::{add, scale};
+
+/// What a vector of a face is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Vector {
+    /// A displacement node.
+    Node(u32),
+    /// A normal.
+    Normal(u32),
+}
+
+/// Second derivatives of a face.
+pub(super) struct FaceBend {
+    /// Its vectors.
+    pub(super) vectors: Vec<Vector>,
+    /// By pairs of coordinates, three a vector.
+    pub(super) entries: Vec<f64>,
+    /// First derivatives by the three normals.
+    pub(super) by_normals: [[f64; 3]; 3],
+}
+
+impl Placed<'_> {
+    /// The vectors of a piece.
+    pub(super) fn vectors(&self, face: usize, piece: &Piece) -> [Vector; VECTORS] {
+        let own = &self.pair.carrier.faces[face];
+        let other = &self.pair.other.faces[piece.other];
+        std::array::from_fn(|k| match k {
+            0..NODES => Vector::Node(own.nodes[k]),
+            NODES..OTHER => Vector::Normal(own.normals[k - NODES]),
+            _ => Vector::Node(other.nodes[k - OTHER]),
+        })
+    }
+
+    /// Second derivatives of sum_j factor_j G_j of the face of a meeting.
+    pub(super) fn face_bend(&self, meeting: &Meeting, factors: [f64; NODES]) -> FaceBend {
+        let of_pieces = meeting.pieces.iter();
+        let of_pieces = of_pieces.map(|piece| self.vectors(meeting.face, piece));
+        let of_pieces: Vec<[Vector; VECTORS]> = of_pieces.collect();
+        let mut vectors = of_pieces.concat();
+        vectors.sort_unstable();
+        vectors.dedup();
+        let mut sum = FaceBend {
+            entries: vec![0.0; 9 * vectors.len() * vectors.len()],
+            vectors,
+            by_normals: [[0.0; 3]; 3],
+        };
+        for (piece, own) in meeting.pieces.iter().zip(&of_pieces) {
+            let bend = self.bend((meeting.face, piece), factors, &mut sum.by_normals);
+            sum.add_piece(own, &bend);
+        }
+        for border in borders(&meeting.pieces) {
+            let both = border.pieces.map(|k| &of_pieces[k]);
+            for kink in self.kinks((meeting, border), factors) {
+                sum.add_kink(both, &kink);
+            }
+        }
+        sum
+    }
+
+    fn kinks(&self, (meeting, border): (&Meeting, Border), factors: [f64; NODES]) -> Vec<Kink> {
+        let partners = border.pieces.map(|k| &self.others[meeting.pieces[k].other]);
+        border.kinks(&self.own[meeting.face], partners, factors)
+    }
+
+    /// Second derivatives on a piece of a face; adds the first ones by its normals.
+    fn bend(
+        &self,
+        (face, piece): (usize, &Piece),
+        factors: [f64; NODES],
+        by_normals: &mut [[f64; 3]; 3],
+    ) -> Box<Bend> {
+        let mut sums: Box<Bend> = Box::new([[Block::default(); VECTORS]; VECTORS]);
+        let other = &self.others[piece.other];
+        self.each_point((face, piece), &mut |point, weight| {
+            let values = bernstein(point.at).into_iter().zip(factors);
+            let factor: f64 = values.map(|(value, factor)| value * factor).sum();
+            let factor = weight * factor;
+            point.add_bend(other, factor, &mut sums);
+            let slopes = point.gradient(other);
+            for (sum, slope) in by_normals.iter_mut().zip(&slopes[NODES..OTHER]) {
+                *sum = add(*sum, scale(factor, *slope));
+            }
+        });
+        completed(&mut sums);
+        sums
+    }
+}
+
+impl FaceBend {
+    fn place(&self, vector: Vector) -> usize {
+        self.vectors.partition_point(|own| *own < vector)
+    }
+
+    fn add_piece(&mut self, own: &[Vector; VECTORS], bend: &Bend) {
+        let places = own.map(|vector| self.place(vector));
+        let width = 3 * self.vectors.len();
+        for (&first, of_vector) in places.iter().zip(bend) {
+            for i in 0..3 {
+                let row = &mut self.entries[(3 * first + i) * width..][..width];
+                for (&second, block) in places.iter().zip(of_vector) {
+                    let entries = row[3 * second..][..3].iter_mut();
+                    entries.zip(block[i]).for_each(|(sum, own)| *sum += own);
+                }
+            }
+        }
+    }
+
+    fn add_kink(&mut self, both: [&[Vector; VECTORS]; 2], kink: &Kink) {
+        let width = 3 * self.vectors.len();
+        let mut slope = vec![0.0; width];
+        for (k, own) in kink.slope.iter().enumerate() {
+            let vector = if k < kinks::VECTORS - NODES {
+                both[0][k]
+            } else {
+                both[1][k - NODES]
+            };
+            let place = 3 * self.place(vector);
+            let entries = slope[place..][..3].iter_mut();
+            entries.zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        let rows = self.entries.chunks_exact_mut(width);
+        for (row, first) in rows.zip(&slope).filter(|(_, first)| **first != 0.0) {
+            let factor = kink.factor * first;
+            let entries = row.iter_mut().zip(&slope);
+            entries.for_each(|(sum, second)| *sum += factor * second);
+        }
+    }
+}
