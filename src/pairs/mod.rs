@@ -12,7 +12,7 @@
 //! the gap, which stays what it is, so that it has no second variation whatever its size; Lam is the
 //! Cauchy pressure on both surfaces. Rays are cut where their partner ends (segments), so that every
 //! integral is one of smooth functions. Forces are derivatives of objective gaps: their sum and their
-//! moment vanish. In the plane and about an axis.
+//! moment vanish. In the plane, about an axis and in space.
 //!
 //! | file | part |
 //! |---|---|

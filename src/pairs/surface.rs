@@ -8,7 +8,7 @@
 //! Shapes: gaps and rows `[multipliers]`, K `[unknowns, unknowns]`, all non-dimensional. At finite
 //! strain about the deformed surfaces; a linear body has G and dG where it is at rest, so that G is
 //! linear in u. A function of which less than `LEAST_COVERED` has a partner has no row, and a gap as
-//! wide as the search. Cost: see [`super::pair`].
+//! wide as the search. Cost: see [`super::pair`] and [`super::space`].
 
 use std::collections::BTreeSet;
 
@@ -18,6 +18,7 @@ use super::piece::Section;
 use super::plane::{PlaneGaps, PlaneSides};
 use super::probing::Probing;
 use super::slip::Sliding;
+use super::space::SpaceSides;
 use crate::contact::shares::add_equal_columns;
 use crate::contact::{ContactSurface, Counterpart, Deformed, Linearisation, Measure};
 use crate::geometry::vector3::{add, cross};
@@ -40,6 +41,7 @@ pub struct PairSurface {
 #[derive(Clone, Debug)]
 enum Sides {
     Plane(PlaneSides),
+    Space(SpaceSides),
 }
 
 /// Force and moment of a contact.
@@ -87,7 +89,10 @@ impl PairSurface {
         facets: [&[u32]; 2],
         (surface, section): (&ContactSurface, Section),
     ) -> Self {
-        let sides = Sides::Plane(PlaneSides::new(ground, facets, (surface, section)));
+        let sides = match ground.space.components {
+            2 => Sides::Plane(PlaneSides::new(ground, facets, (surface, section))),
+            _ => Sides::Space(SpaceSides::new(ground, facets, surface)),
+        };
         Self {
             sides,
             at_rest: None,
@@ -99,6 +104,7 @@ impl PairSurface {
     pub(super) fn plane(&self) -> Option<&PlaneSides> {
         match &self.sides {
             Sides::Plane(plane) => Some(plane),
+            Sides::Space(_) => None,
         }
     }
 
@@ -124,6 +130,7 @@ impl PairSurface {
                     unknowns,
                 })
             }),
+            Sides::Space(sides) => sides.gaps_of(body, count, |gaps| task(gaps)),
         }
     }
 
@@ -208,7 +215,7 @@ impl PairSurface {
         }
         match &self.sides {
             Sides::Plane(plane) if plane.pair.section == Section::AboutAxis => sum.along_axis(),
-            Sides::Plane(_) => sum,
+            Sides::Plane(_) | Sides::Space(_) => sum,
         }
     }
 
@@ -217,6 +224,10 @@ impl PairSurface {
         match &self.sides {
             Sides::Plane(plane) => {
                 let faces = plane.pair.other.faces.iter();
+                faces.flat_map(|face| face.nodes).collect()
+            }
+            Sides::Space(space) => {
+                let faces = space.pair.other.faces.iter();
                 faces.flat_map(|face| face.nodes).collect()
             }
         }
@@ -228,6 +239,7 @@ impl PairSurface {
             Sides::Plane(sides) => sides.placed(body, |placed| {
                 Box::new(Probing::new(&sides.pair, placed)) as Box<dyn Counterpart>
             }),
+            Sides::Space(sides) => Box::new(sides.probing(body)),
         }
     }
 }

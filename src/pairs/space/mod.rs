@@ -26,6 +26,9 @@
 //! | [`kinks`] | what borders between pieces add to second derivatives |
 //! | [`bends`] | second derivatives of a face |
 //! | [`pair`] | gaps of two surfaces, where they are |
+//! | [`sides`] | both sides of a contact |
+//! | [`sums`] | gaps, coupling and curvature by unknowns |
+//! | [`probing`] | what is told of points |
 
 mod bends;
 pub mod choice;
@@ -35,8 +38,15 @@ pub mod outline;
 pub mod pair;
 pub mod patch;
 pub mod point;
+pub mod probing;
 pub mod rays;
+pub mod sides;
 pub mod skin;
+pub(super) mod sums;
 
 pub use pair::{Meeting, Pair, Placed};
+pub use sides::SpaceSides;
 pub use skin::Skin;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,229 @@
+//! Gaps in space by functions, their coupling and curvature by displacement unknowns.
+//!
+//! ```text
+//! dG = G_x dx + G_n dn,   d2G = G_xx + G_xn dn + dn' G_nx + dn' G_nn dn + G_n.d2n
+//! ```
+//!
+//! What pieces give is by nodes and normals; normals stand as unknowns after those of the displacement
+//! until all pieces are summed, and are then put in by their own derivatives. Cost: one sort of the
+//! entries of each row.
+
+use std::sync::OnceLock;
+
+use super::bends::{FaceBend, Vector};
+use super::normals::{FanAt, Row};
+use super::pair::{Placed, Totals};
+use super::patch::NODES;
+use super::skin::Skin;
+use crate::contact::shares::add_equal_columns;
+use crate::geometry::vector3::max_norm;
+use crate::pairs::between::{Derivatives, Gaps};
+use crate::parallel::{self, Pieces};
+
+/// Fewer rows are not worth a second thread.
+const FEW: usize = 16;
+
+/// Two surfaces where they are, function by function.
+pub(in crate::pairs) struct SpaceGaps<'a> {
+    placed: &'a Placed<'a>,
+    /// Functions of each face of the carrier `[faces]`.
+    functions: &'a [[u32; NODES]],
+    /// Number of functions.
+    count: usize,
+    /// Displacement unknowns.
+    unknowns: usize,
+    /// Sums of the meetings, once they are asked for.
+    totals: OnceLock<Vec<Totals>>,
+}
+
+impl<'a> SpaceGaps<'a> {
+    /// Of surfaces with the functions of the carrier's faces, and numbers of functions and of
+    /// displacement unknowns.
+    pub(super) fn new(
+        placed: &'a Placed<'a>,
+        functions: &'a [[u32; NODES]],
+        [count, unknowns]: [usize; 2],
+    ) -> Self {
+        Self {
+            placed,
+            functions,
+            count,
+            unknowns,
+            totals: OnceLock::new(),
+        }
+    }
+}
+
+impl SpaceGaps<'_> {
+    /// The surfaces.
+    #[cfg(test)]
+    pub(super) fn placed(&self) -> &Placed<'_> {
+        self.placed
+    }
+
+    fn skin(&self) -> &Skin {
+        &self.placed.pair.carrier
+    }
+
+    /// Sums of what faces give.
+    fn summed<'b>(&self, of_faces: impl Iterator<Item = (usize, &'b [f64; NODES])>) -> Vec<f64> {
+        let mut sums = vec![0.0; self.count];
+        for (face, own) in of_faces {
+            for (&function, own) in self.functions[face].iter().zip(own) {
+                sums[function as usize] += own;
+            }
+        }
+        sums
+    }
+
+    fn of_meetings(&self, part: impl Fn(&Totals) -> &[f64; NODES]) -> Vec<f64> {
+        let meetings = self.placed.meetings.iter().zip(self.totals());
+        self.summed(meetings.map(|(meeting, own)| (meeting.face, part(own))))
+    }
+
+    /// Sums of the meetings, made once.
+    fn totals(&self) -> &[Totals] {
+        self.totals.get_or_init(|| self.placed.totals())
+    }
+
+    /// First column of a vector; those of normals are after the displacement.
+    fn column(&self, vector: Vector) -> u32 {
+        match vector {
+            Vector::Node(node) => 3 * node,
+            Vector::Normal(normal) => self.unknowns as u32 + 3 * normal,
+        }
+    }
+
+    fn fan(&self, number: usize) -> FanAt<'_> {
+        let placed = self.placed;
+        FanAt::new((self.skin(), &placed.patches, &placed.normals), number)
+    }
+
+    /// Rows of dn of all normals `[normals][3]`.
+    fn normal_rows(&self) -> Vec<[Row; 3]> {
+        parallel::map(self.skin().fans.len(), FEW, &|k| self.fan(k).rows())
+    }
+
+    /// Puts in the motion of the normals.
+    fn put_in(&self, row: &mut Row, normals: &[[Row; 3]]) {
+        add_equal_columns(row);
+        let first = row.partition_point(|&(k, _)| (k as usize) < self.unknowns);
+        for (k, value) in row.split_off(first) {
+            let k = k as usize - self.unknowns;
+            let own = normals[k / 3][k % 3].iter();
+            row.extend(own.map(|&(column, one)| (column, value * one)));
+        }
+        add_equal_columns(row);
+    }
+
+    /// Rows of gaps by nodes and normals `[functions]`.
+    fn raw_rows(&self) -> Vec<Row> {
+        let mut rows = vec![Row::new(); self.count];
+        let found = self.placed.gradients();
+        for (meeting, gradients) in self.placed.meetings.iter().zip(found) {
+            for (piece, own) in meeting.pieces.iter().zip(gradients) {
+                let vectors = self.placed.vectors(meeting.face, piece);
+                let columns = vectors.map(|vector| self.column(vector));
+                for (&function, own) in self.functions[meeting.face].iter().zip(&own) {
+                    let entries = columns.iter().zip(own);
+                    rows[function as usize].extend(
+                        entries.flat_map(|(&k, own)| (0..3).map(move |i| (k + i, own[i as usize]))),
+                    );
+                }
+            }
+        }
+        rows
+    }
+
+    /// Second derivatives by nodes and normals, and derivatives by normals `[normals][3]`.
+    fn raw_bend(&self, factors: &[f64]) -> (Vec<Row>, Vec<[f64; 3]>) {
+        let fans = self.skin().fans.len();
+        let mut rows = vec![Row::new(); self.unknowns + 3 * fans];
+        let mut by_normals = vec![[0.0; 3]; fans];
+        let placed = self.placed;
+        let of_face = |face: usize| self.functions[face].map(|k| factors[k as usize]);
+        let loaded = placed.meetings.iter();
+        let loaded: Vec<_> = loaded
+            .filter(|meeting| of_face(meeting.face).iter().any(|factor| *factor != 0.0))
+            .collect();
+        let found = parallel::map(loaded.len(), 1, &|k| {
+            placed.face_bend(loaded[k], of_face(loaded[k].face))
+        });
+        for (meeting, bend) in loaded.into_iter().zip(found) {
+            let normals = self.skin().faces[meeting.face].normals;
+            for (normal, own) in normals.into_iter().zip(bend.by_normals) {
+                (0..3).for_each(|i| by_normals[normal as usize][i] += own[i]);
+            }
+            self.add_bend(&bend, &mut rows);
+        }
+        (rows, by_normals)
+    }
+
+    fn add_bend(&self, bend: &FaceBend, rows: &mut [Row]) {
+        let firsts = bend.vectors.iter().map(|&vector| self.column(vector));
+        let columns: Vec<u32> = firsts
+            .flat_map(|first| [first, first + 1, first + 2])
+            .collect();
+        let entries = bend.entries.chunks_exact(columns.len());
+        for (&row, entries) in columns.iter().zip(entries) {
+            let entries = columns.iter().copied().zip(entries.iter().copied());
+            rows[row as usize].extend(entries);
+        }
+    }
+}
+
+impl Gaps for SpaceGaps<'_> {
+    fn values(&self) -> Vec<f64> {
+        self.of_meetings(|totals| &totals.gaps)
+    }
+
+    fn derivatives(&self) -> Derivatives {
+        let mut rows = self.raw_rows();
+        let normals = self.normal_rows();
+        parallel::each(Pieces::of(&mut rows, 1), FEW, &|_, rows| {
+            rows.iter_mut().for_each(|row| self.put_in(row, &normals));
+        });
+        Derivatives {
+            values: self.values(),
+            rows,
+        }
+    }
+
+    fn curvature(&self, factors: &[f64]) -> Vec<Row> {
+        let (mut rows, by_normals) = self.raw_bend(factors);
+        let normals = self.normal_rows();
+        parallel::each(Pieces::of(&mut rows, 1), FEW, &|_, rows| {
+            rows.iter_mut().for_each(|row| self.put_in(row, &normals));
+        });
+        let of_normals = rows.split_off(self.unknowns);
+        for (k, own) in of_normals.into_iter().enumerate() {
+            for &(row, factor) in &normals[k / 3][k % 3] {
+                let entries = own.iter();
+                rows[row as usize].extend(entries.map(|&(column, one)| (column, factor * one)));
+            }
+        }
+        for (k, by_normal) in by_normals.into_iter().enumerate() {
+            if max_norm(by_normal) > 0.0 {
+                self.fan(k).add_bend(by_normal, &mut rows);
+            }
+        }
+        rows
+    }
+
+    fn covered(&self) -> [Vec<f64>; 2] {
+        let whole = self.placed.whole();
+        [
+            self.of_meetings(|totals| &totals.covered),
+            self.summed(whole.iter().enumerate()),
+        ]
+    }
+
+    fn deepest(&self) -> f64 {
+        let totals = self.totals().iter();
+        totals.map(|own| own.deepest).fold(0.0, f64::max)
+    }
+
+    fn reach(&self) -> f64 {
+        self.placed.reach
+    }
+}
