@@ -1,4 +1,4 @@
-//! Stories of contact between soft bodies in the plane and about an axis: patches, shrink fits, cylinders, closed boxes.
+//! Stories of contact between soft bodies in the plane, about an axis and in space: patches, shrink fits, cylinders, closed boxes.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -14,4 +14,5 @@ mod patches;
 mod refusals;
 mod rings;
 mod scenes;
+mod space;
 mod tubes;

@@ -11,9 +11,14 @@ use crate::common::scenes::support;
 
 /// Incompressible linear bodies of those shear moduli.
 pub(crate) fn linear<const N: usize>(bodies: [(&str, f64); N]) -> Scene {
+    linear_of(0.5, bodies)
+}
+
+/// Linear bodies of one Poisson's ratio and those shear moduli.
+pub(crate) fn linear_of<const N: usize>(poisson_ratio: f64, bodies: [(&str, f64); N]) -> Scene {
     scene(bodies, |shear| MaterialModel::LinearElastic {
         modulus: Modulus::Shear(shear),
-        poisson_ratio: 0.5,
+        poisson_ratio,
         formulation: Formulation::Auto,
     })
 }
@@ -41,7 +46,7 @@ fn scene<const N: usize>(bodies: [(&str, f64); N], law: impl Fn(f64) -> Material
     scene
 }
 
-/// Some bodies of triangles as one mesh; the groups of each have their names with its prefix.
+/// Some bodies as one mesh; the groups of each have their names with its prefix.
 pub(crate) fn joined(bodies: &[(&str, MeshParts)]) -> MeshParts {
     let mut all = MeshParts {
         coordinates: Vec::new(),
@@ -52,7 +57,9 @@ pub(crate) fn joined(bodies: &[(&str, MeshParts)]) -> MeshParts {
     };
     for (prefix, own) in bodies {
         let first = all.coordinates.len() as u32;
-        let [cells, facets] = [all.cells.len() as u32 / 3, all.facets.len() as u32 / 2];
+        let kind = own.cell_kind;
+        let cells = (all.cells.len() / kind.vertices()) as u32;
+        let facets = (all.facets.len() / kind.facet_vertices()) as u32;
         all.coordinates.extend(&own.coordinates);
         all.cells.extend(own.cells.iter().map(|v| v + first));
         all.facets.extend(own.facets.iter().map(|v| v + first));
@@ -90,14 +97,32 @@ pub(crate) fn carried_along(
 ) -> Support {
     let places = node_positions(mesh);
     let nodes = nodes_of(mesh, on);
+    let z = (mesh.cell_kind().dimension() == 3).then_some(0.0);
     Support {
         values: Some(Values {
             place: ValuePlace::Nodes,
             rows: nodes.iter().map(|&node| field(places[node])).collect(),
             numbers: nodes.iter().map(|&node| node as u32).collect(),
         }),
-        ..support(on, [Some(0.0), Some(0.0), None])
+        ..support(on, [Some(0.0), Some(0.0), z])
     }
+}
+
+/// Which displacement nodes belong to a group of cells.
+pub(crate) fn is_of(mesh: &Mesh, cells: &str) -> Vec<bool> {
+    let group = mesh.group(cells, GroupKind::Cells).expect("a body");
+    let mut found = vec![false; mesh.vertex_count() + mesh.edges().len()];
+    for &cell in &group.members {
+        let corners = mesh.cell(cell as usize);
+        for (i, &a) in corners.iter().enumerate() {
+            found[a as usize] = true;
+            for &b in &corners[i + 1..] {
+                let edge = mesh.edge_between(a, b).expect("an edge") as usize;
+                found[mesh.vertex_count() + edge] = true;
+            }
+        }
+    }
+    found
 }
 
 /// Displacement nodes of a group of facets.
@@ -105,10 +130,14 @@ fn nodes_of(mesh: &Mesh, group: &str) -> Vec<usize> {
     let group = mesh.group(group, GroupKind::Facets).expect("a side");
     let mut nodes = Vec::new();
     for &facet in &group.members {
-        let ends = mesh.facet(facet as usize);
-        let edge = mesh.edge_between(ends[0], ends[1]).expect("an edge");
-        nodes.extend(ends.iter().map(|&vertex| vertex as usize));
-        nodes.push(mesh.vertex_count() + edge as usize);
+        let corners = mesh.facet(facet as usize);
+        for (i, &a) in corners.iter().enumerate() {
+            nodes.push(a as usize);
+            for &b in &corners[i + 1..] {
+                let edge = mesh.edge_between(a, b).expect("an edge");
+                nodes.push(mesh.vertex_count() + edge as usize);
+            }
+        }
     }
     nodes.sort_unstable();
     nodes.dedup();

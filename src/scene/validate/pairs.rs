@@ -78,17 +78,19 @@ fn check_names(scene: &Scene, faults: &mut Faults) {
 /// Refuses scenes that this version does not solve with several bodies.
 fn refuse(scene: &Scene, kind: SceneKind, faults: &mut Faults) {
     let reason = match kind {
-        SceneKind::PlaneStrain | SceneKind::Axisymmetric => None,
+        SceneKind::PlaneStrain | SceneKind::Axisymmetric | SceneKind::Solid => None,
         SceneKind::PlaneStress => Some("contact between sheets is not solved yet"),
-        SceneKind::Solid => Some("contact between bodies in space is not solved yet"),
     };
     if let Some(reason) = reason {
-        let message = format!("{reason}, bodies of plane strain and of revolution are");
+        let message = format!("{reason}, bodies of plane strain, of revolution and in space are");
         faults.unsupported("contact", message);
     }
     if scene.solver.contact_space.named() == Some(ContactSpace::Linear) {
         let message = "of contacts between bodies pressures are quadratic: leave out `linear`";
         faults.add("solver.contact_space", message);
+    }
+    if kind == SceneKind::Solid {
+        refuse_friction(scene, faults);
     }
     if scene.manufactured.is_some() {
         let message = "stands beside a manufactured field, which brings its own loads";
@@ -101,6 +103,22 @@ fn refuse(scene: &Scene, kind: SceneKind, faults: &mut Faults) {
     if !scene.fluids.is_empty() {
         let message = "a fluid beside contact between bodies is not solved yet: what it reaches there is not known";
         faults.unsupported("fluid", message);
+    }
+}
+
+/// Slips between bodies are numbers along a line; in space they would be vectors in a surface.
+fn refuse_friction(scene: &Scene, faults: &mut Faults) {
+    let keys = scene.contacts.iter().filter_map(|contact| {
+        let key = match (contact.friction > 0.0, contact.tresca.is_some()) {
+            (true, _) => "friction",
+            (false, true) => "tresca",
+            (false, false) => return None,
+        };
+        Some(format!("contact.{}.{key}", contact.name))
+    });
+    for path in keys {
+        let message = "friction between bodies in space is not solved yet, contact without it is";
+        faults.unsupported(path, message);
     }
 }
 
