@@ -91,12 +91,22 @@ impl Change {
             Place::Material(index, key) => {
                 let found = constant(&mut scene.materials[*index].model, key);
                 let value = *found.ok_or_else(|| absent("the law has no such finite constant"))?;
-                let size = if value == 0.0 {
-                    units.stress
-                } else {
-                    value.abs()
+                let size = match (value == 0.0, is_stress(key)) {
+                    (true, true) => units.stress,
+                    (true, false) => 1.0,
+                    (false, _) => value.abs(),
                 };
-                OF_CONSTANTS * size
+                let room = if key == "poisson_ratio" {
+                    0.25 * (0.5 - value)
+                } else {
+                    f64::INFINITY
+                };
+                if room <= 0.0 {
+                    return Err(absent(
+                        "one half is the end of its range: it has no derivative from both sides",
+                    ));
+                }
+                room.min(OF_CONSTANTS * size)
             }
             Place::Shape(index, key) => {
                 let found = number(&mut scene.obstacles[*index].shape, key);
@@ -241,6 +251,15 @@ impl<'a> Perturbed<'a> {
         self.load = Some(reference_load(&plan, self.mesh(), self.base.prepared));
         self.plan = Some(plan);
     }
+}
+
+/// Whether a constant of a law is a stress, or else has no unit.
+fn is_stress(key: &str) -> bool {
+    let name = key.split('.').next().unwrap_or(key);
+    !matches!(
+        name,
+        "poisson_ratio" | "alpha" | "nu" | "a" | "beta" | "limit" | "locking_stretch"
+    )
 }
 
 /// Where the scene has a parameter.

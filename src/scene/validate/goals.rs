@@ -2,7 +2,7 @@
 
 use super::Faults;
 use crate::scene::{
-    Goal, GoalErrors, GoalKind, GoalQuestions, Parameter, Scene, SceneKind, numbers,
+    Goal, GoalErrors, GoalKind, GoalQuestions, Material, Parameter, Scene, SceneKind, numbers,
 };
 
 /// Most goals, and most parameters, of one question.
@@ -85,6 +85,12 @@ fn has_obstacle(scene: &Scene, name: &str) -> bool {
     scene.obstacles.iter().any(|one| one.name == name)
 }
 
+/// Whether a constant is a Poisson ratio of one half.
+fn is_at_the_end(law: &Material, name: &str) -> bool {
+    let value = numbers::constant(&mut law.model.clone(), name).map(|value| *value);
+    name == "poisson_ratio" && value == Some(0.5)
+}
+
 /// What the scene lacks of a parameter; none where it has it.
 fn lacking(scene: &Scene, parameter: &Parameter) -> Option<&'static str> {
     let unless = |is_there: bool, lacking| (!is_there).then_some(lacking);
@@ -93,6 +99,9 @@ fn lacking(scene: &Scene, parameter: &Parameter) -> Option<&'static str> {
             let mut all = scene.materials.iter();
             match all.find(|one| one.group == *group) {
                 None => Some("the scene has no material of that group"),
+                Some(law) if is_at_the_end(law, constant) => {
+                    Some("one half is the end of its range: it has no derivative from both sides")
+                }
                 Some(law) => unless(
                     numbers::constant(&mut law.model.clone(), constant).is_some(),
                     "the law has no such finite constant",
