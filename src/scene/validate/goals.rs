@@ -85,6 +85,19 @@ fn has_obstacle(scene: &Scene, name: &str) -> bool {
     scene.obstacles.iter().any(|one| one.name == name)
 }
 
+/// The same of a constant of a law.
+fn lacking_of_law(scene: &Scene, group: &str, constant: &str) -> Option<&'static str> {
+    let mut all = scene.materials.iter();
+    let Some(law) = all.find(|one| one.group == group) else {
+        return Some("the scene has no material of that group");
+    };
+    if is_at_the_end(law, constant) {
+        return Some("one half is the end of its range: it has no derivative from both sides");
+    }
+    let is_there = numbers::constant(&mut law.model.clone(), constant).is_some();
+    (!is_there).then_some("the law has no such finite constant")
+}
+
 /// Whether a constant is a Poisson ratio of one half.
 fn is_at_the_end(law: &Material, name: &str) -> bool {
     let value = numbers::constant(&mut law.model.clone(), name).map(|value| *value);
@@ -95,19 +108,7 @@ fn is_at_the_end(law: &Material, name: &str) -> bool {
 fn lacking(scene: &Scene, parameter: &Parameter) -> Option<&'static str> {
     let unless = |is_there: bool, lacking| (!is_there).then_some(lacking);
     match parameter {
-        Parameter::Material { group, constant } => {
-            let mut all = scene.materials.iter();
-            match all.find(|one| one.group == *group) {
-                None => Some("the scene has no material of that group"),
-                Some(law) if is_at_the_end(law, constant) => {
-                    Some("one half is the end of its range: it has no derivative from both sides")
-                }
-                Some(law) => unless(
-                    numbers::constant(&mut law.model.clone(), constant).is_some(),
-                    "the law has no such finite constant",
-                ),
-            }
-        }
+        Parameter::Material { group, constant } => lacking_of_law(scene, group, constant),
         Parameter::Pose { obstacle, .. } | Parameter::Push { obstacle, .. } => unless(
             has_obstacle(scene, obstacle),
             "the scene has no obstacle of that name",
