@@ -216,6 +216,7 @@
 #![doc = include_str!("decisions/0069-nested-bisection.md")]
 #![doc = include_str!("decisions/0070-ties-by-multipliers.md")]
 #![doc = include_str!("decisions/0071-meshes-by-goals.md")]
+#![doc = include_str!("decisions/0072-one-surface-that-folds.md")]
 
 #[macro_use]
 mod constants;

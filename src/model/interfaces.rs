@@ -367,7 +367,7 @@ fn of_pair(
     let facets: Vec<Vec<u32>> = facets.map(|&f| mesh.facet(f as usize).to_vec()).collect();
     let bare = surface(plan, mesh, space, &facets);
     let surface = bare.with_layout(&Bernstein, planned.layout.clone());
-    let sides = [&pair.carrier[..], &pair.other[..]];
+    let sides = ([&pair.carrier[..], &pair.other[..]], pair.meets);
     let section = if plan.is_axisymmetric() {
         Section::AboutAxis
     } else {

@@ -16,9 +16,12 @@ use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
 /// Least cosine between the tangents of faces that share a normal: 30 degrees.
-const SMOOTH: f64 = 0.866;
+pub(super) const SMOOTH: f64 = 0.866;
 /// Share of a face by which a surface goes on beyond its end.
 const BEYOND: f64 = 0.3;
+
+/// Where nodes are: of a vertex its place, of an edge that of its middle less the mean of its ends.
+pub type PlaceOf<'a> = dyn Fn(u32) -> [f64; 2] + Sync + 'a;
 
 /// A face of a surface in the plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -110,9 +113,15 @@ impl ChainFace {
     }
 
     /// The way from its first to its second end at rest.
-    fn way(&self, mesh: &Mesh) -> [f64; 2] {
+    pub(super) fn way(&self, mesh: &Mesh) -> [f64; 2] {
         let [a, b] = [0, 1].map(|end: usize| mesh.coordinates()[self.nodes[end] as usize]);
         [b[0] - a[0], b[1] - a[1]]
+    }
+
+    /// Whether `other` shares a normal with it.
+    pub(super) fn is_beside(&self, other: &Self) -> bool {
+        let edge = other.nodes[2];
+        self.beside.iter().flatten().any(|beside| beside[1] == edge)
     }
 
     /// Part of its line that rays may meet.
@@ -126,7 +135,7 @@ impl ChainFace {
 }
 
 /// The face at each vertex by its `end`; none where several are.
-fn by_vertex(faces: &[ChainFace], end: usize) -> BTreeMap<u32, Option<usize>> {
+pub(super) fn by_vertex(faces: &[ChainFace], end: usize) -> BTreeMap<u32, Option<usize>> {
     let mut at = BTreeMap::new();
     for (index, face) in faces.iter().enumerate() {
         let known = at.entry(face.nodes[end]);
@@ -136,7 +145,7 @@ fn by_vertex(faces: &[ChainFace], end: usize) -> BTreeMap<u32, Option<usize>> {
 }
 
 /// Cosine between the tangents of two faces where the first one ends.
-fn turn(mesh: &Mesh, space: &TaylorHood, [first, second]: [[u32; 3]; 2]) -> f64 {
+pub(super) fn turn(mesh: &Mesh, space: &TaylorHood, [first, second]: [[u32; 3]; 2]) -> f64 {
     let plane = |[x, y, _]: [f64; 3]| [x, y];
     let nodes = |[a, b, edge]: [u32; 3]| {
         let corner = |vertex: u32| plane(mesh.coordinates()[vertex as usize]);

@@ -6,7 +6,7 @@
 //! topology as it is. Cost: one cubic a vertex and one ray a part and face among the candidates.
 
 use super::piece::{
-    Beside, End, Face, Piece, Section, cross, dot, meeting, minus, point, slope, to_the_right,
+    Beside, End, Face, Piece, cross, dot, meeting, minus, point, slope, to_the_right,
 };
 
 /// Pieces shorter than this share of a face are left out.
@@ -19,6 +19,10 @@ const GRAZING: f64 = 0.2;
 /// ended in the middle of a face where the gap is wide would grow and shrink with vertices that pass,
 /// and programs would see a gap close that is far open.
 pub(super) const WIDE: f64 = 2.0;
+/// Gap over the length of a face from which on it is open; chosen.
+const OPEN: f64 = 0.1;
+/// Share of the way to where neighbouring rays meet up to which they count.
+const SIDE_BY_SIDE: f64 = 0.5;
 /// Halvings that find a root to rounding.
 const HALVINGS: usize = 60;
 
@@ -29,6 +33,19 @@ pub struct Partner {
     pub nodes: [[f64; 2]; 3],
     /// Part of its line that counts: \[0, 1\], and beyond where the surface ends.
     pub range: [f64; 2],
+    /// What it is to the face.
+    pub role: Role,
+}
+
+/// What a face of the other surface is to a face of the carrier.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// One of another body, which rays may meet.
+    Apart,
+    /// One of the same body, which rays may meet; none looks through it from behind.
+    Meets,
+    /// One of the same body that only stops rays.
+    Hides,
 }
 
 /// How far partners are looked for along the rays.
@@ -36,8 +53,8 @@ pub struct Partner {
 pub struct Reach {
     /// Largest gap of a face's nearest piece; its other pieces may be `WIDE` times as far.
     pub open: f64,
-    /// Largest penetration.
-    pub inside: f64,
+    /// Largest penetration at the ends of the face, between them along a straight line.
+    pub inside: [f64; 2],
 }
 
 /// An end of a partner's part as rays of the face see it.
@@ -81,17 +98,44 @@ pub(super) fn pieces(
     if !is_near {
         return Vec::new();
     }
-    let piece = |(partner, run): (usize, [f64; 2])| {
-        let ends = run.map(|s| end(s, partner, &breaks));
-        let section = Section::Plane;
-        let piece = Piece {
-            section,
-            beside,
-            ends,
-        };
-        (partner, piece)
+    let piece = |(k, (partner, run)): (usize, (usize, [f64; 2]))| {
+        let goes_on = [k.checked_sub(1).map(|k| runs[k]), runs.get(k + 1).copied()];
+        let goes_on = [0, 1].map(|side: usize| {
+            let next =
+                goes_on[side].filter(|next| (next.1[1 - side] - run[side]).abs() <= SHORTEST);
+            next.is_some_and(|next| are_joined(&partners[partner], &partners[next.0]))
+        });
+        let is_apart = partners[partner].role == Role::Apart;
+        let ends = [0, 1].map(|side: usize| {
+            let is_open = || is_open(face, run[side], &partners[partner]);
+            if is_apart || goes_on[side] || !is_open() {
+                end(run[side], partner, &breaks)
+            } else {
+                // What is beyond is not met, or another part far behind: that end moves no volume that
+                // contact could close.
+                End::Fixed(run[side])
+            }
+        });
+        (partner, Piece { beside, ends })
     };
-    runs.into_iter().map(piece).collect()
+    runs.iter().copied().enumerate().map(piece).collect()
+}
+
+/// Whether a face is as far from a partner at `s` that contact there is not near.
+fn is_open(face: &Face<f64>, s: f64, partner: &Partner) -> bool {
+    let [tangent, _] = face.tangent(s);
+    let along = slope(face.nodes, 0.5);
+    let gap = meeting(point(face.nodes, s), tangent, partner.nodes)
+        .map(|r| face.gap(s, partner.nodes, r) * dot(tangent, tangent).sqrt());
+    gap.is_some_and(|gap| gap > OPEN * dot(along, along).sqrt())
+}
+
+/// Whether two partners have a common vertex.
+fn are_joined(one: &Partner, other: &Partner) -> bool {
+    let [[a, b, _], [c, d, _]] = [one.nodes, other.nodes];
+    let bits = |vertex: [f64; 2]| vertex.map(f64::to_bits);
+    let [c, d] = [bits(c), bits(d)];
+    [a, b].into_iter().map(bits).any(|own| own == c || own == d)
 }
 
 /// The end of a piece at `s`.
@@ -121,7 +165,7 @@ fn breaks(face: &Face<f64>, partners: &[Partner]) -> Vec<Break> {
 }
 
 /// Coefficients of T.(x - v) by powers of s.
-fn cubic(face: &Face<f64>, v: [f64; 2]) -> [f64; 4] {
+pub(super) fn cubic(face: &Face<f64>, v: [f64; 2]) -> [f64; 4] {
     let [a, b, middle] = face.nodes;
     let [first, last] = face.tangents;
     let turn = minus(last, first);
@@ -145,7 +189,7 @@ fn value([k0, k1, k2, k3]: [f64; 4], s: f64) -> f64 {
 }
 
 /// Roots of a cubic in (0, 1), by halving between its extrema.
-fn roots(k: [f64; 4]) -> Vec<f64> {
+pub(super) fn roots(k: [f64; 4]) -> Vec<f64> {
     let [_, b, c, d] = [k[0], k[1], 2.0 * k[2], 3.0 * k[3]];
     let size = (c * c - 4.0 * d * b).sqrt();
     let pivot = -0.5 * (c + size.copysign(c));
@@ -179,17 +223,68 @@ fn root(k: [f64; 4], [mut low, mut high]: [f64; 2]) -> Option<f64> {
 
 /// The nearest partner that the ray from `s` meets from outside, and its gap.
 fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Option<(usize, f64)> {
-    let mut best: Option<(usize, f64)> = None;
+    let [first, last] = reach.inside;
+    let inside = first + s * (last - first);
+    let mut best: Option<(usize, f64, f64)> = None;
     for (index, partner) in partners.iter().enumerate() {
         let Some(gap) = gap_to(face, s, partner) else {
             continue;
         };
-        let is_near = gap <= WIDE * reach.open && -gap <= reach.inside;
-        if is_near && best.is_none_or(|(_, least): (usize, f64)| gap.abs() < least.abs()) {
-            best = Some((index, gap));
+        let far = gap.abs() + beyond(face, s, partner);
+        let is_near = gap <= WIDE * reach.open && -gap <= inside;
+        if is_near && best.is_none_or(|(_, _, least)| far < least) {
+            best = Some((index, gap, far));
         }
     }
-    best
+    let best = best.map(|(index, gap, _)| (index, gap));
+    best.filter(|&(index, gap)| {
+        let is_hidden = |other: &Partner| is_behind(face, s, (other, gap));
+        let is_clear = match partners[index].role {
+            Role::Apart => true,
+            Role::Meets => is_before_focus(face, s, gap),
+            Role::Hides => false,
+        };
+        is_clear && !partners.iter().any(is_hidden)
+    })
+}
+
+/// Whether neighbouring rays of a point of the face still go their way side by side at a distance
+/// `gap`: those of a hollow fold meet in its middle, and what they sweep beyond is negative.
+fn is_before_focus(face: &Face<f64>, s: f64, gap: f64) -> bool {
+    let [tangent, change] = face.tangent(s);
+    let n = to_the_right(tangent);
+    let along = cross(n, slope(face.nodes, s));
+    let turning = cross(n, to_the_right(change));
+    gap / dot(n, n).sqrt() * turning >= -SIDE_BY_SIDE * along
+}
+
+/// How far beyond its end a face of the same body is met, so that one beside it goes before.
+fn beyond(face: &Face<f64>, s: f64, partner: &Partner) -> f64 {
+    if partner.role == Role::Apart {
+        return 0.0;
+    }
+    let [tangent, _] = face.tangent(s);
+    let r = meeting(point(face.nodes, s), tangent, partner.nodes);
+    let along = slope(partner.nodes, 0.5);
+    let over = r.map_or(0.0, |r| (-r).max(r - 1.0).max(0.0));
+    over * dot(along, along).sqrt()
+}
+
+/// Whether a face of the same body lies between a point of the face and what the ray meets at a
+/// distance `gap`, turned away from it or so that the ray grazes it: the ray is in the body from there
+/// on.
+fn is_behind(face: &Face<f64>, s: f64, (other, gap): (&Partner, f64)) -> bool {
+    if other.role == Role::Apart || gap <= 0.0 {
+        return false;
+    }
+    let [tangent, _] = face.tangent(s);
+    let Some(r) = meeting(point(face.nodes, s), tangent, other.nodes) else {
+        return false;
+    };
+    let n = to_the_right(tangent);
+    let distance = face.gap(s, other.nodes, r) * dot(n, n).sqrt();
+    let is_between = distance > 0.0 && distance < gap;
+    is_between && (0.0..=1.0).contains(&r) && gap_to(face, s, other).is_none()
 }
 
 /// Distance from a point of the face to a partner along the ray there, negative inside; none where

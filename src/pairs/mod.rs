@@ -20,6 +20,8 @@
 //! | [`piece`] | the gap of a piece of a face on one partner |
 //! | [`choice`] | which pieces have which partners |
 //! | [`chain`] | surfaces: neighbours, corners, ends |
+//! | [`force`] | forces on both surfaces |
+//! | [`fold`] | who may meet whom on one body |
 //! | [`tree`] | faces near a face |
 //! | [`pair`] | gaps of two surfaces |
 //! | [`between`] | what gaps have to tell, in whatever dimension |
@@ -38,6 +40,8 @@
 mod between;
 pub mod chain;
 pub mod choice;
+pub mod fold;
+pub mod force;
 mod ground;
 pub mod number;
 pub mod pair;
@@ -51,6 +55,7 @@ pub mod surface;
 pub mod tree;
 
 pub use chain::{Chain, ChainFace};
+pub use fold::{Fold, Meets, creases};
 pub use ground::Ground;
 pub use pair::{Meeting, Pair, Part, Placed, Probe};
 pub use piece::Section;

@@ -11,11 +11,12 @@
 
 use std::f64::consts::TAU;
 
-use super::chain::{Chain, ChainFace};
-use super::choice::{Partner, Reach, WIDE, pieces};
+use super::chain::{Chain, ChainFace, PlaceOf};
+use super::choice::{Partner, Reach, Role, WIDE, pieces};
+use super::fold::Fold;
 use super::number::{First, Number, Second};
 use super::piece::{
-    Face, INPUTS, NODES, NodePlaces, Piece, Section, bernstein, dot, meeting, point, slope,
+    Face, INPUTS, NODES, NodePlaces, Piece, Section, Sweep, bernstein, dot, meeting, point, slope,
     to_the_right,
 };
 use super::tree::{Bounds, BoxTree};
@@ -30,9 +31,6 @@ const REACH: f64 = 0.25;
 /// Fewer faces are not worth a second thread.
 const FEW: usize = 8;
 
-/// Where nodes are: of a vertex its place, of an edge that of its middle less the mean of its ends.
-pub type PlaceOf<'a> = dyn Fn(u32) -> [f64; 2] + Sync + 'a;
-
 /// Two surfaces that may touch.
 #[derive(Clone, Debug)]
 pub struct Pair {
@@ -42,6 +40,8 @@ pub struct Pair {
     pub other: Chain,
     /// What the plane is a section of.
     pub section: Section,
+    /// Who may meet whom, of surfaces of one body.
+    pub fold: Option<Fold>,
 }
 
 /// A part of a face with its partner.
@@ -105,6 +105,7 @@ impl Pair {
             .map(|face| Partner {
                 nodes: face.places(place),
                 range: face.range(),
+                role: Role::Apart,
             })
             .collect();
         let boxes: Vec<Bounds> = partners.iter().map(bounds_of).collect();
@@ -140,21 +141,41 @@ impl Pair {
         let beside = own.sides();
         let at = Face::new(&places_of(own, None, place), beside);
         let near = tree.meeting(&swept(&at, WIDE * reach));
-        let candidates: Vec<Partner> = near.iter().map(|&one| partners[one as usize]).collect();
+        let near = near.into_iter().map(|one| one as usize);
+        let near = near.filter_map(|one| Some((one, self.seen(face, (one, partners[one]))?)));
+        let (near, candidates): (Vec<usize>, Vec<Partner>) = near.unzip();
+        let inside = match &self.fold {
+            Some(fold) => fold.inside((face, at.nodes), place, reach),
+            None => [reach; 2],
+        };
         let reach = Reach {
             open: reach,
-            inside: reach,
+            inside,
         };
         let pieces = pieces(&at, beside, &candidates, reach).into_iter();
         let meeting = |(partner, piece): (usize, Piece)| Meeting {
             face,
-            other: near[partner] as usize,
-            piece: Piece {
-                section: self.section,
-                ..piece
-            },
+            other: near[partner],
+            piece,
         };
         pieces.map(meeting).collect()
+    }
+
+    /// A face of the other surface as a face of the carrier sees it; nothing where it does not.
+    fn seen(&self, face: usize, (other, partner): (usize, Partner)) -> Option<Partner> {
+        let Some(fold) = &self.fold else {
+            return Some(partner);
+        };
+        let role = fold.role([&self.carrier, &self.other], [face, other])?;
+        let range = match role {
+            Role::Apart | Role::Meets => partner.range,
+            Role::Hides => [0.0, 1.0],
+        };
+        Some(Partner {
+            role,
+            range,
+            ..partner
+        })
     }
 }
 
@@ -163,7 +184,7 @@ impl Placed<'_> {
     pub fn gaps(&self) -> Vec<Part<f64>> {
         self.parts(&|meeting| {
             let places = self.places(meeting);
-            meeting.piece.gaps(&places, &self.rule)
+            meeting.piece.gaps(&places, self.sweep())
         })
     }
 
@@ -172,7 +193,7 @@ impl Placed<'_> {
     pub fn first(&self) -> Vec<Part<First<INPUTS>>> {
         self.parts(&|meeting| {
             let places = inputs(&self.places(meeting), First::input);
-            meeting.piece.gaps(&places, &self.rule)
+            meeting.piece.gaps(&places, self.sweep())
         })
     }
 
@@ -187,7 +208,7 @@ impl Placed<'_> {
             let meeting = loaded[k];
             let places = inputs(&self.places(meeting), Second::input);
             let factors = factors[meeting.face];
-            let sum = meeting.piece.weighted(&places, &self.rule, factors);
+            let sum = meeting.piece.weighted(&places, self.sweep(), factors);
             (self.nodes(meeting), Box::new(sum))
         })
     }
@@ -261,9 +282,12 @@ impl Placed<'_> {
         self.pair.other.faces[meeting.other].places(self.place)
     }
 
-    /// The rule on \[0, 1\].
-    pub(super) fn rule(&self) -> &[[f64; 2]] {
-        &self.rule
+    /// How pieces are integrated.
+    pub(super) fn sweep(&self) -> Sweep<'_> {
+        Sweep {
+            section: self.pair.section,
+            rule: &self.rule,
+        }
     }
 
     pub(super) fn parts<T: Send>(

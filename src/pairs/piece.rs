@@ -41,7 +41,7 @@ pub const INPUTS: usize = 2 * NODES;
 pub type NodePlaces<T> = [[T; 2]; NODES];
 
 /// First of the three nodes of the other face.
-const OTHER: usize = 7;
+pub(super) const OTHER: usize = 7;
 
 /// An end of a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,11 +89,18 @@ pub enum Beside {
     Wall([i8; 2]),
 }
 
+/// How a piece is integrated.
+#[derive(Clone, Copy, Debug)]
+pub struct Sweep<'a> {
+    /// Of which body the plane is a section.
+    pub section: Section,
+    /// Places and weights on \[0, 1\].
+    pub rule: &'a [[f64; 2]],
+}
+
 /// A part of a face that has one partner.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
-    /// Of which body.
-    pub section: Section,
     /// What gives the normals at a and b beside the face itself.
     pub beside: [Beside; 2],
     /// The ends, ascending.
@@ -261,11 +268,10 @@ pub(super) fn meeting(
 }
 
 impl Piece {
-    /// int psi_j a ds of the three Bernstein functions of the face, those of a, b and its edge, by a
-    /// `rule` of places and weights on \[0, 1\].
-    pub fn gaps<T: Number>(&self, places: &NodePlaces<T>, rule: &[[f64; 2]]) -> [T; 3] {
+    /// int psi_j a ds of the three Bernstein functions of the face, those of a, b and its edge.
+    pub fn gaps<T: Number>(&self, places: &NodePlaces<T>, sweep: Sweep<'_>) -> [T; 3] {
         let mut sums = [T::constant(0.0); 3];
-        self.each_point(places, rule, &mut |s, weighted| {
+        self.each_point(places, sweep, &mut |s, weighted| {
             for (sum, value) in sums.iter_mut().zip(bernstein(s)) {
                 *sum = *sum + value * weighted;
             }
@@ -277,11 +283,11 @@ impl Piece {
     pub fn weighted<T: Number>(
         &self,
         places: &NodePlaces<T>,
-        rule: &[[f64; 2]],
+        sweep: Sweep<'_>,
         factors: [f64; 3],
     ) -> T {
         let mut sum = T::constant(0.0);
-        self.each_point(places, rule, &mut |s, weighted| {
+        self.each_point(places, sweep, &mut |s, weighted| {
             let [a, b, middle] = bernstein(s);
             let factor = a.times(factors[0]) + b.times(factors[1]) + middle.times(factors[2]);
             sum = sum + factor * weighted;
@@ -293,14 +299,14 @@ impl Piece {
     fn each_point<T: Number>(
         &self,
         places: &NodePlaces<T>,
-        rule: &[[f64; 2]],
+        sweep: Sweep<'_>,
         see: &mut dyn FnMut(T, T),
     ) {
         let face = Face::new(places, self.beside);
         let other = [places[OTHER], places[OTHER + 1], places[OTHER + 2]];
         let [first, last] = self.ends.map(|end| face.end(end, other));
         let length = last - first;
-        for [at, weight] in rule {
+        for [at, weight] in sweep.rule {
             let s = first + length.times(*at);
             let weight = length.times(*weight);
             let Some(near) = face.met(s, other) else {
@@ -308,7 +314,7 @@ impl Piece {
             };
             let r = face.hit(s, other, near);
             let gap = face.gap(s, other, r);
-            see(s, weight * face.area((s, gap), self.section));
+            see(s, weight * face.area((s, gap), sweep.section));
         }
     }
 }

@@ -5,6 +5,7 @@
 
 use super::between::{Derivatives, Gaps, Row};
 use super::chain::Chain;
+use super::fold::{Fold, Meets};
 use super::ground::Ground;
 use super::number::Second;
 use super::pair::{Pair, Placed};
@@ -22,16 +23,19 @@ pub(super) struct PlaneSides {
 }
 
 impl PlaneSides {
-    /// Of the facets `carrier`, those of `surface` in their order, and `other`.
+    /// Of the facets `carrier`, those of `surface` in their order, and `other`, which it `meets`.
     pub(super) fn new(
         ground: Ground<'_>,
-        [carrier, other]: [&[u32]; 2],
+        ([carrier, other], meets): ([&[u32]; 2], Meets),
         (surface, section): (&ContactSurface, Section),
     ) -> Self {
         let Ground { mesh, space, .. } = ground;
+        let carrier = Chain::new(mesh, space, carrier).between_walls(mesh, ground.is_held);
+        let other = Chain::new(mesh, space, other);
         let pair = Pair {
-            carrier: Chain::new(mesh, space, carrier).between_walls(mesh, ground.is_held),
-            other: Chain::new(mesh, space, other),
+            fold: Fold::new((mesh, space), [&carrier, &other], meets),
+            carrier,
+            other,
             section,
         };
         let faces = pair.carrier.faces.iter().zip(&surface.faces);

@@ -16,10 +16,11 @@
 
 use std::f64::consts::TAU;
 
+use super::chain::PlaceOf;
 use super::number::{First, Number, Second};
-use super::pair::{Meeting, Part, PlaceOf, Placed, inputs};
+use super::pair::{Meeting, Part, Placed, inputs};
 use super::piece::{
-    Face, INPUTS, NODES, NodePlaces, Piece, Section, bernstein, dot, minus, point, slope,
+    Face, INPUTS, NODES, NodePlaces, Piece, Section, Sweep, bernstein, dot, minus, point, slope,
 };
 use crate::parallel;
 
@@ -121,14 +122,14 @@ impl Piece {
         &self,
         places: &NodePlaces<T>,
         before: &NodePlaces<f64>,
-        rule: &[[f64; 2]],
+        sweep: Sweep<'_>,
     ) -> [T; 3] {
         let (face, other) = (Face::new(places, self.beside), other_of(places));
         let start = Face::new(&constants::<T>(before), self.beside);
         let start_other = other_of(&constants::<T>(before));
         let mut sums = [T::constant(0.0); 3];
         let [first, last] = self.ends.map(|end| face.end(end, other));
-        for [at, weight] in rule {
+        for [at, weight] in sweep.rule {
             let s = first + (last - first).times(*at);
             let Some(near) = face.met(s, other) else {
                 continue;
@@ -136,7 +137,7 @@ impl Piece {
             let r = face.hit(s, other, near);
             // That of what the face saw at the start, less where it stood.
             let slid = -start.apart(s, point(start_other, r));
-            let area = (last - first).times(*weight) * face.stretch(s, self.section);
+            let area = (last - first).times(*weight) * face.stretch(s, sweep.section);
             for (sum, value) in sums.iter_mut().zip(bernstein(s)) {
                 *sum = *sum + value * slid * area;
             }
@@ -161,16 +162,16 @@ impl Piece {
     fn rows(
         &self,
         places: &NodePlaces<f64>,
-        rule: &[[f64; 2]],
+        sweep: Sweep<'_>,
     ) -> ([[f64; INPUTS]; 3], [[f64; 3]; 3]) {
         let moving = inputs(places, First::<INPUTS>::input);
         let (face, other) = (Face::new(&moving, self.beside), other_of(&moving));
         let plain = Face::new(places, self.beside);
         let (mut rows, mut areas) = ([[0.0; INPUTS]; 3], [[0.0; 3]; 3]);
-        for site in self.sites(places, rule) {
+        for site in self.sites(places, sweep.rule) {
             let [s, r] = [site.s, site.r].map(Number::constant);
             let apart = face.apart(s, point(other, r));
-            let area = site.weight * plain.stretch(site.s, self.section);
+            let area = site.weight * plain.stretch(site.s, sweep.section);
             let [t, _] = plain.tangent(site.s);
             let [x, y] = unit(t);
             for (j, value) in bernstein(site.s).into_iter().enumerate() {
@@ -186,16 +187,16 @@ impl Piece {
     }
 
     /// dR of `tractions` of the three functions.
-    fn change(&self, places: &NodePlaces<f64>, rule: &[[f64; 2]], tractions: [f64; 3]) -> Change {
+    fn change(&self, places: &NodePlaces<f64>, sweep: Sweep<'_>, tractions: [f64; 3]) -> Change {
         let moving = inputs(places, Second::<WITH_PLACE>::input);
         let (face, other) = (Face::new(&moving, self.beside), other_of(&moving));
         let stretched = Face::new(&inputs(places, First::<INPUTS>::input), self.beside);
         let mut change = [[0.0; INPUTS]; INPUTS];
-        for site in self.sites(places, rule) {
+        for site in self.sites(places, sweep.rule) {
             let s = Second::constant(site.s);
             let r = Second::input(INPUTS, site.r);
             let f = face.apart(s, point(other, r));
-            let area = stretched.stretch(First::constant(site.s), self.section);
+            let area = stretched.stretch(First::constant(site.s), sweep.section);
             let values = bernstein(site.s).into_iter().zip(tractions);
             let traction: f64 = values.map(|(value, own)| value * own).sum();
             let factor = site.weight * traction;
@@ -218,11 +219,13 @@ impl Placed<'_> {
         parallel::map(self.meetings.len(), FEW, &|k| {
             let meeting = &self.meetings[k];
             let (places, nodes) = (self.places(meeting), self.nodes(meeting));
-            let (rows, [areas, x, y]) = meeting.piece.rows(&places, self.rule());
+            let (rows, [areas, x, y]) = meeting.piece.rows(&places, self.sweep());
             SlipPart {
                 face: meeting.face,
                 nodes,
-                slips: meeting.piece.slips(&places, &nodes.map(start), self.rule()),
+                slips: meeting
+                    .piece
+                    .slips(&places, &nodes.map(start), self.sweep()),
                 areas,
                 tangents: [x, y],
                 rows,
@@ -235,7 +238,7 @@ impl Placed<'_> {
         self.parts(&|meeting: &Meeting| {
             let places = inputs(&self.places(meeting), First::input);
             let before = self.nodes(meeting).map(start);
-            meeting.piece.slips(&places, &before, self.rule())
+            meeting.piece.slips(&places, &before, self.sweep())
         })
     }
 
@@ -250,7 +253,7 @@ impl Placed<'_> {
             let tractions = tractions[meeting.face];
             let change = meeting
                 .piece
-                .change(&self.places(meeting), self.rule(), tractions);
+                .change(&self.places(meeting), self.sweep(), tractions);
             (self.nodes(meeting), Box::new(change))
         })
     }

@@ -13,6 +13,7 @@
 use std::collections::BTreeSet;
 
 use super::between::Gaps;
+use super::fold::Meets;
 use super::ground::Ground;
 use super::piece::Section;
 use super::plane::{PlaneGaps, PlaneSides};
@@ -32,7 +33,7 @@ const LEAST_COVERED: f64 = 1e-3;
 pub struct PairSurface {
     sides: Sides,
     /// Gaps and rows of all columns at rest, of a linear body.
-    at_rest: Option<Linearisation>,
+    pub(super) at_rest: Option<Linearisation>,
     /// Rows of slips at rest, of a linear body with friction.
     pub(super) sliding_at_rest: Option<Sliding>,
 }
@@ -59,7 +60,12 @@ pub struct PairForce {
 
 impl PairForce {
     /// Adds the force on a node of the carrier or of the other surface.
-    fn add(&mut self, body: &Deformed<'_>, (node, force): (u32, [f64; 3]), is_other: bool) {
+    pub(super) fn add(
+        &mut self,
+        body: &Deformed<'_>,
+        (node, force): (u32, [f64; 3]),
+        is_other: bool,
+    ) {
         let (total, turn) = if is_other {
             (&mut self.on_other, &mut self.other_moment)
         } else {
@@ -73,7 +79,7 @@ impl PairForce {
     }
 
     /// The part along the axis of a body of revolution, which bears the rest itself.
-    fn along_axis(self) -> Self {
+    pub(super) fn along_axis(self) -> Self {
         Self {
             on_carrier: [0.0, self.on_carrier[1], 0.0],
             on_other: [0.0, self.on_other[1], 0.0],
@@ -83,14 +89,14 @@ impl PairForce {
 }
 
 impl PairSurface {
-    /// Of the facets `carrier`, those of `surface` in their order, and `other`.
+    /// Of the facets of the carrier, those of `surface` in their order, and of what it `meets`.
     pub fn new(
         ground: Ground<'_>,
-        facets: [&[u32]; 2],
+        (facets, meets): ([&[u32]; 2], Meets),
         (surface, section): (&ContactSurface, Section),
     ) -> Self {
         let sides = match ground.space.components {
-            2 => Sides::Plane(PlaneSides::new(ground, facets, (surface, section))),
+            2 => Sides::Plane(PlaneSides::new(ground, (facets, meets), (surface, section))),
             _ => Sides::Space(SpaceSides::new(ground, facets, surface)),
         };
         Self {
@@ -181,20 +187,8 @@ impl PairSurface {
         free_matrix(rows, held)
     }
 
-    /// Forces of `pressures` `[multipliers]` on both bodies: derivatives of the gaps.
-    pub fn forces(
-        &self,
-        body: &Deformed<'_>,
-        (surface, pressures): (&ContactSurface, &[f64]),
-    ) -> PairForce {
-        let free = vec![false; body.space.displacement_unknowns()];
-        let rows = self.linearise(body, surface, &free).rows;
-        let pushing: Vec<f64> = pressures.iter().map(|pressure| -pressure).collect();
-        self.forces_of(body, &rows, &pushing)
-    }
-
     /// Forces of multipliers `values` along `rows` of unknowns on both bodies.
-    pub fn forces_of(
+    pub(super) fn forces_of(
         &self,
         body: &Deformed<'_>,
         rows: &[Vec<(u32, f64)>],

@@ -8,6 +8,7 @@
 use super::PlanEntry;
 use crate::assembly::load::facet_measure;
 use crate::mesh::Mesh;
+use crate::pairs::Meets;
 use crate::scene::ContactPair;
 use crate::scene::validate::{Resolved, ResolvedPair};
 
@@ -25,6 +26,8 @@ pub(crate) struct PlannedPair {
     pub(crate) carrier: Vec<u32>,
     /// Facets of the other one.
     pub(crate) other: Vec<u32>,
+    /// Whom the carrier meets.
+    pub(crate) meets: Meets,
     /// Coefficient of Coulomb friction.
     pub(crate) friction: f64,
     /// Largest traction in its place, the caller's stress.
@@ -80,6 +83,7 @@ pub(super) fn choose(pairs: &[ResolvedPair], resolved: &Resolved, mesh: &Mesh) -
             name: pair.name.clone(),
             carrier: pair.sides[side].clone(),
             other: pair.sides[1 - side].clone(),
+            meets: pair.meets,
             friction: pair.friction,
             tresca: pair.tresca,
             side,
@@ -90,6 +94,12 @@ pub(super) fn choose(pairs: &[ResolvedPair], resolved: &Resolved, mesh: &Mesh) -
 }
 
 fn carrier(pair: &ResolvedPair, resolved: &Resolved, mesh: &Mesh) -> (usize, &'static str) {
+    if pair.meets == Meets::Itself {
+        return (
+            0,
+            "of two of its parts that touch the one that comes first along it",
+        );
+    }
     if let Some(side) = pair.named {
         return (side, NAMED);
     }

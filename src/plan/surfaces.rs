@@ -13,12 +13,13 @@
 //! their nodes. Obstacles with a common facet keep multipliers of their own: each of them
 //! holds the facet. Cost: one sort of the sides of each surface.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 use super::pairs::PlannedPair;
 use super::ties::PlannedTie;
 use crate::contact::layout::Layout;
 use crate::mesh::Mesh;
+use crate::pairs::{Meets, creases};
 use crate::scene::ContactSpace;
 use crate::scene::validate::{Resolved, ResolvedObstacle};
 use crate::space::TaylorHood;
@@ -58,6 +59,14 @@ pub(super) struct Body<'a> {
     pub(super) held: &'a [(u32, u16)],
 }
 
+impl Body<'_> {
+    /// Whether supports hold a displacement unknown.
+    fn holds(&self, unknown: u32) -> bool {
+        let held = self.held.binary_search_by_key(&unknown, |(held, _)| *held);
+        held.is_ok()
+    }
+}
+
 /// What acts on them.
 #[derive(Clone, Copy)]
 pub(super) struct Acting<'a> {
@@ -90,7 +99,7 @@ impl Surfaces {
         let layouts = layouts(body, obstacles, space);
         let all = layouts.iter().flat_map(|layout| &layout.multipliers);
         let mut contacts = all.max().map_or(0, |&last| last as usize + 1);
-        let of_pair = |pair: &PlannedPair| of_pair(body, &pair.carrier, &mut contacts);
+        let of_pair = |pair: &PlannedPair| of_pair(body, pair, &mut contacts);
         Self {
             pair_layouts: pairs.iter().map(of_pair).collect(),
             vertices: vertices_of(body.mesh, candidates.chain(sides).chain(patches.clone())),
@@ -103,8 +112,14 @@ impl Surfaces {
 }
 
 /// The layout of the carrier of a contact between bodies, its multipliers from `next` on.
-fn of_pair(body: Body<'_>, carrier: &[u32], next: &mut usize) -> ContactLayout {
-    let layout = layout(body, carrier, ContactSpace::Quadratic);
+fn of_pair(body: Body<'_>, pair: &PlannedPair, next: &mut usize) -> ContactLayout {
+    let sides = [&pair.carrier[..], &pair.other[..]];
+    let creases = match pair.meets {
+        Meets::AnotherBody => BTreeSet::new(),
+        Meets::ItsBody | Meets::Itself => creases(body.mesh, sides),
+    };
+    let is_held = |unknown: u32| body.holds(unknown) || creases.contains(&(unknown / 2));
+    let layout = Layout::by_sides(body.mesh, body.space, &pair.carrier, &is_held);
     let first = *next as u32;
     *next += layout.shares.multipliers();
     ContactLayout {
@@ -150,13 +165,9 @@ fn layout(body: Body<'_>, facets: &[u32], space: ContactSpace) -> Layout {
         ContactSpace::Linear => {
             Layout::by_nodes(&facets.iter().map(corners).collect::<Vec<&[u32]>>())
         }
-        ContactSpace::Quadratic => {
-            let is_held = |unknown: u32| {
-                let held = body.held.binary_search_by_key(&unknown, |(held, _)| *held);
-                held.is_ok()
-            };
-            Layout::by_sides(body.mesh, body.space, facets, &is_held)
-        }
+        ContactSpace::Quadratic => Layout::by_sides(body.mesh, body.space, facets, &|unknown| {
+            body.holds(unknown)
+        }),
     }
 }
 

@@ -95,7 +95,8 @@ pub(crate) fn add_friction_between(
         };
         let tractions = own.points.clone().map(|point| friction.first + point);
         let tractions: Vec<f64> = tractions.map(|m| state.multiplier[m]).collect();
-        let forces = own.pair.forces_of(&body, &own.sliding.rows, &tractions);
+        let sliding = (own.surface, &own.sliding);
+        let forces = own.pair.forces_of_tractions(&body, sliding, &tractions);
         let (force, moment) = if planned.first_carries() {
             (forces.on_carrier, forces.moment)
         } else {

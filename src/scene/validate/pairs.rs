@@ -1,12 +1,14 @@
 //! Contact between soft bodies: names, surfaces, and what is not solved beside it.
 //!
-//! Bodies are the connected parts of the mesh; the two surfaces of a contact lie on different ones.
+//! Bodies are the connected parts of the mesh; the two surfaces of a contact lie on different ones or
+//! on one, or are the same.
 
 use std::collections::BTreeSet;
 
 use super::obstacles::check_friction;
 use super::{Faults, ResolvedPair, names, parts};
 use crate::mesh::Mesh;
+use crate::pairs::Meets;
 use crate::scene::{ContactPair, ContactSpace, MaterialModel, Scene, SceneKind};
 
 /// Contacts of a scene at most: each costs a search over its surfaces.
@@ -136,18 +138,24 @@ fn one(
         facets
     });
     let bodies = [0, 1].map(|side: usize| bodies(mesh, of_vertex, &sides[side]));
-    if let Some(body) = bodies[0].intersection(&bodies[1]).next() {
-        let message = if contact.between[0] == contact.between[1] {
-            "names the same group twice: contact of a surface with itself is not solved yet"
-                .to_owned()
-        } else {
-            format!(
-                "both groups have facets on part {body} of the mesh: contact of a body with itself is not solved yet"
-            )
-        };
-        faults.unsupported(between, message);
+    let meets = if contact.is_of_one_surface() {
+        Meets::Itself
+    } else if bodies[0].is_disjoint(&bodies[1]) {
+        Meets::AnotherBody
+    } else {
+        refuse_common(&sides, between, faults);
+        Meets::ItsBody
+    };
+    if meets != Meets::AnotherBody && mesh.cell_kind().dimension() == 3 {
+        let message = "contact of a body with itself in space is not solved yet, in the plane and about an axis it is";
+        faults.unsupported(format!("{path}.between"), message);
     }
     let named = contact.carries.as_ref().and_then(|carries| {
+        if meets == Meets::Itself {
+            let message = "stands beside `self`: of two parts that touch the one that comes first along the surface carries; name them as two groups to say which";
+            faults.add(format!("{path}.carries"), message);
+            return None;
+        }
         let side = contact.between.iter().position(|name| name == carries);
         if side.is_none() {
             let [a, b] = &contact.between;
@@ -160,9 +168,21 @@ fn one(
     ResolvedPair {
         name: contact.name.clone(),
         sides,
+        meets,
         named,
         friction: contact.friction,
         tresca: contact.tresca,
+    }
+}
+
+/// Refuses two groups of a contact with a common facet.
+fn refuse_common([first, second]: &[Vec<u32>; 2], path: String, faults: &mut Faults) {
+    if first
+        .iter()
+        .any(|facet| second.binary_search(facet).is_ok())
+    {
+        let message = "both groups have the same facets: name one group and `self = true` for a surface that meets itself";
+        faults.add(path, message);
     }
 }
 

@@ -9,6 +9,7 @@ use crate::element::manufactured::Manufactured;
 use crate::material::{LinearElastic, Rubber};
 use crate::mesh::locate::Located;
 use crate::obstacle::Obstacle;
+use crate::pairs::Meets;
 use crate::scene::{Film, SceneKind, SurfaceGeometry};
 
 /// An item of the scene and the facets of the groups that it names.
@@ -180,6 +181,8 @@ pub(crate) struct ResolvedPair {
     pub(crate) name: String,
     /// Facets of the two groups, ascending, all on the surface of the mesh.
     pub(crate) sides: [Vec<u32>; 2],
+    /// Whom the first side meets.
+    pub(crate) meets: Meets,
     /// Which side the scene has carry the pressure; none where it leaves that open.
     pub(crate) named: Option<usize>,
     /// Coefficient of friction.

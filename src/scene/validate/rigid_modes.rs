@@ -11,7 +11,7 @@ use super::{Faults, ResolvedPair, ResolvedSupport};
 use crate::assembly::load::facet_measure;
 use crate::contact::patches::outward;
 use crate::mesh::{GroupKind, Mesh};
-use crate::scene::{Scene, SceneKind};
+use crate::scene::{ContactPair, Scene, SceneKind};
 
 const NAMES_3: [&str; 6] = [
     "translation along x",
@@ -68,19 +68,21 @@ pub(crate) fn check(
     let moments = parts.moments(supports);
     let mut guided = moments.clone();
     parts.add_normals(supports, &mut guided);
-    if !scene.contacts.is_empty() {
+    let meeting = meeting(scene, &parts);
+    if !meeting.is_empty() {
         let of_parts = parts.free_of_parts(kind, moments.clone());
-        refuse_loose((scene, &parts), of_parts, faults);
+        refuse_loose((scene, &meeting), (&parts, of_parts), faults);
     }
     let free = labelled(parts.free_of_parts(kind, moments));
     let unguided = labelled(parts.free_of_parts(kind, guided));
-    let has_contact = !scene.obstacles.is_empty() || !scene.contacts.is_empty();
+    let has_contact = !scene.obstacles.is_empty() || !meeting.is_empty();
     if !unguided.is_empty() && !has_contact {
         let list = unguided.join(", ");
         faults.add("support", format!("nothing holds the body against {list}"));
     }
-    let has_multipliers = has_contact || supports.iter().any(|s| !s.patches.is_empty());
-    let may_meet = !scene.contacts.is_empty();
+    let has_multipliers =
+        has_contact || !scene.contacts.is_empty() || supports.iter().any(|s| !s.patches.is_empty());
+    let may_meet = !meeting.is_empty();
     if !free.is_empty() && has_multipliers && count > 1 && !may_meet {
         let list = free.join(", ");
         faults.unsupported(
@@ -93,9 +95,29 @@ pub(crate) fn check(
     Free { modes: free, alone }
 }
 
+/// Contacts between different parts: others hold nothing.
+fn meeting<'a>(scene: &'a Scene, parts: &Parts<'_>) -> Vec<&'a ContactPair> {
+    let of = |name: &String| -> BTreeSet<u32> {
+        let group = parts.mesh.group(name, GroupKind::Facets);
+        let facets = group.iter().flat_map(|group| &group.members);
+        let corners = facets.filter_map(|&facet| parts.mesh.facet(facet as usize).first());
+        let parts = corners.map(|&vertex| parts.of_vertex[vertex as usize]);
+        parts.collect()
+    };
+    let is_within = |[first, second]: [BTreeSet<u32>; 2]| first.len() == 1 && first == second;
+    let contacts = scene.contacts.iter();
+    let apart =
+        contacts.filter(|contact| !is_within([0, 1].map(|side: usize| of(&contact.between[side]))));
+    apart.collect()
+}
+
 /// Refuses bodies with free modes `[parts]` that no contact and no obstacle meets.
-fn refuse_loose((scene, parts): (&Scene, &Parts<'_>), free: Vec<Vec<String>>, faults: &mut Faults) {
-    let between = scene.contacts.iter().flat_map(|contact| &contact.between);
+fn refuse_loose(
+    (scene, meeting): (&Scene, &[&ContactPair]),
+    (parts, free): (&Parts<'_>, Vec<Vec<String>>),
+    faults: &mut Faults,
+) {
+    let between = meeting.iter().flat_map(|contact| &contact.between);
     let obstacles = scene.obstacles.iter().flat_map(|obstacle| &obstacle.on);
     let groups = between.chain(obstacles);
     let facets = groups.filter_map(|name| parts.mesh.group(name, GroupKind::Facets));

@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::pairs::bodies;
 use super::{Faults, Placed, ResolvedFluid, ResolvedPair, names, parts};
 use crate::mesh::Mesh;
+use crate::pairs::Meets;
 use crate::scene::{MaterialModel, Obstacle, Scene, Tie};
 
 /// Ties of a scene at most; chosen, scenes have a few.
@@ -129,6 +130,7 @@ fn one(tie: &Tie, (mesh, of_vertex): (&Mesh, &[u32]), faults: &mut Faults) -> Re
     ResolvedPair {
         name: tie.name.clone(),
         sides,
+        meets: Meets::AnotherBody,
         named,
         friction: 0.0,
         tresca: None,

@@ -1,0 +1,118 @@
+//! Forces of a contact on both of its surfaces, derivatives of its gaps and slips by the places of
+//! nodes:
+//!
+//! ```text
+//! f = sum_j Lam_j dG_j/dx + t_j R_j,   over the nodes of either side
+//! ```
+//!
+//! Where both sides are of one body, pieces know the side of their nodes, even where a node is of
+//! both. Shapes: pressures and tractions `[multipliers]`; non-dimensional. Cost: that of first
+//! derivatives.
+
+use super::pair::Placed;
+use super::piece::{INPUTS, NODES, OTHER, Section};
+use super::plane::PlaneSides;
+use super::slip::Sliding;
+use super::surface::{PairForce, PairSurface};
+use crate::contact::{ContactSurface, Deformed};
+
+/// What functions of a face move of the nodes of a piece.
+struct SidedPart<'a> {
+    face: usize,
+    nodes: &'a [u32; NODES],
+    rows: [[f64; INPUTS]; 3],
+}
+
+impl PairSurface {
+    /// Forces of `pressures` `[multipliers]` on both bodies: derivatives of the gaps.
+    pub fn forces(
+        &self,
+        body: &Deformed<'_>,
+        (surface, pressures): (&ContactSurface, &[f64]),
+    ) -> PairForce {
+        let Some(sides) = self.folded() else {
+            let free = vec![false; body.space.displacement_unknowns()];
+            let rows = self.linearise(body, surface, &free).rows;
+            let pushing: Vec<f64> = pressures.iter().map(|pressure| -pressure).collect();
+            return self.forces_of(body, &rows, &pushing);
+        };
+        let coefficients = surface.shares.spread(pressures);
+        let parts = self.where_taken(sides, body, |placed| placed.first());
+        let parts = parts.iter().map(|part| SidedPart {
+            face: part.face,
+            nodes: &part.nodes,
+            rows: [0, 1, 2].map(|k: usize| part.gaps[k].first),
+        });
+        forces_of_parts(sides, (body, parts), &coefficients)
+    }
+
+    /// Forces of `tractions` `[multipliers]` on both bodies along the rows of `sliding`.
+    pub fn forces_of_tractions(
+        &self,
+        body: &Deformed<'_>,
+        (surface, sliding): (&ContactSurface, &Sliding),
+        tractions: &[f64],
+    ) -> PairForce {
+        let Some(sides) = self.folded() else {
+            return self.forces_of(body, &sliding.rows, tractions);
+        };
+        let coefficients = surface.shares.spread(tractions);
+        let start = |node: u32| {
+            let [x, y, _] = body.place(node as usize);
+            [x, y]
+        };
+        let parts = self.where_taken(sides, body, |placed| placed.slid(&start));
+        let parts = parts.iter().map(|part| SidedPart {
+            face: part.face,
+            nodes: &part.nodes,
+            rows: part.rows,
+        });
+        forces_of_parts(sides, (body, parts), &coefficients)
+    }
+
+    /// Both sides where they are of one body.
+    fn folded(&self) -> Option<&PlaneSides> {
+        self.plane().filter(|sides| sides.pair.fold.is_some())
+    }
+
+    /// What `task` makes of the surfaces where their gaps are taken: of a linear body at rest.
+    fn where_taken<T>(
+        &self,
+        sides: &PlaneSides,
+        body: &Deformed<'_>,
+        task: impl FnOnce(&Placed<'_>) -> T,
+    ) -> T {
+        if self.at_rest.is_none() {
+            return sides.placed(body, task);
+        }
+        let rest = vec![0.0; body.displacement.len()];
+        let rest = Deformed {
+            displacement: &rest,
+            ..*body
+        };
+        sides.placed(&rest, task)
+    }
+}
+
+/// Forces of functions with `coefficients` along the rows of `parts`.
+fn forces_of_parts<'p>(
+    sides: &PlaneSides,
+    (body, parts): (&Deformed<'_>, impl Iterator<Item = SidedPart<'p>>),
+    coefficients: &[f64],
+) -> PairForce {
+    let factors = sides.of_faces(coefficients);
+    let mut sum = PairForce::default();
+    for part in parts {
+        for (place, &node) in part.nodes.iter().enumerate() {
+            let along = |i: usize| -> f64 {
+                let pairs = part.rows.iter().zip(factors[part.face]);
+                pairs.map(|(row, factor)| factor * row[2 * place + i]).sum()
+            };
+            sum.add(body, (node, [along(0), along(1), 0.0]), place >= OTHER);
+        }
+    }
+    match sides.pair.section {
+        Section::Plane => sum,
+        Section::AboutAxis => sum.along_axis(),
+    }
+}
