@@ -29,6 +29,12 @@ pub trait Counterpart: Sync {
         what: Derivatives,
         out: &mut [Contact],
     );
+
+    /// The share of a segment, from its first corner on, that has something to meet: where that is not
+    /// all of it, contact ends with it.
+    fn covered(&self, _: &ContactFace) -> [f64; 2] {
+        [0.0, 1.0]
+    }
 }
 
 impl<T: Obstacle + ?Sized> Counterpart for T {

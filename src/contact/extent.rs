@@ -62,7 +62,11 @@ pub fn extent<C: Counterpart + ?Sized>(
         ..ContactExtent::default()
     };
     let parts = if gaps.corners == 2 {
-        let stretches = stretches(&gaps, &pressed);
+        let mut stretches = stretches(&gaps, &pressed);
+        for (face, share) in stretches.iter_mut().flatten() {
+            let [from, to] = counterpart.covered(&surface.faces[*face]);
+            *share = share.map(|end| end.clamp(from, to));
+        }
         let forces = face_forces(body, surface, counterpart, at);
         let intervals = stretches.iter();
         let intervals = intervals.map(|own| interval(body, surface, (own, &forces), &rule));

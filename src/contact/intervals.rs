@@ -30,16 +30,22 @@ pub(super) fn interval(
     rule: &Rule,
 ) -> ContactInterval {
     let mut interval = ContactInterval::default();
-    for (place, &(face, share)) in stretch.iter().enumerate() {
+    let mut is_first = true;
+    for &(face, share) in stretch {
+        interval.force = add(interval.force, forces[face]);
+        if share[0] >= share[1] {
+            // Nothing of it is covered.
+            continue;
+        }
         let measured = Measured::of(body, &surface.faces[face]);
         let part = polygon(share);
         let [from, to] = part.map(|point| measured.at(&point));
-        if place == 0 {
+        if is_first {
             interval.ends[0] = from;
+            is_first = false;
         }
         interval.ends[1] = to;
         interval.width += measured.length(&part, rule);
-        interval.force = add(interval.force, forces[face]);
     }
     interval
 }

@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 
+use super::choice::{cubic, roots};
 use super::pair::{Pair, Placed};
 use super::piece::{Face, dot, meeting, point, to_the_right};
 use crate::contact::{ContactFace, Counterpart, Places};
@@ -16,6 +17,8 @@ struct Site {
     is_turned: bool,
     /// Ends on the face, and the nodes of the partner.
     partners: Vec<([f64; 2], [[f64; 2]; 3])>,
+    /// Part of the face that has a partner, without what goes on beyond the ends of these.
+    covered: [f64; 2],
 }
 
 /// The faces of the carrier, by the node of their edge.
@@ -33,10 +36,15 @@ impl Probing {
                 let ends = one.piece.ends.map(|end| end.place());
                 (ends, placed.other_places(one))
             });
+            let partners: Vec<([f64; 2], [[f64; 2]; 3])> = partners.collect();
+            let at = placed.face(index);
+            let parts = partners.iter().filter_map(|one| within(&at, *one));
+            let covered = parts.reduce(|all, one| [all[0].min(one[0]), all[1].max(one[1])]);
             let site = Site {
-                face: placed.face(index),
+                covered: covered.unwrap_or_default(),
+                face: at,
                 is_turned: face.is_turned,
-                partners: partners.collect(),
+                partners,
             };
             (face.nodes[2], site)
         };
@@ -45,6 +53,28 @@ impl Probing {
             reach: placed.reach,
         }
     }
+}
+
+/// The part of a piece between `ends` whose rays meet the `other` face itself, not what goes on beyond
+/// its ends.
+fn within(face: &Face<f64>, (ends, other): ([f64; 2], [[f64; 2]; 3])) -> Option<[f64; 2]> {
+    let place = |s: f64| {
+        let [tangent, _] = face.tangent(s);
+        meeting(point(face.nodes, s), tangent, other)
+    };
+    let mut marks: Vec<f64> = ends.into();
+    for vertex in &other[..2] {
+        let passed = roots(cubic(face, *vertex)).into_iter();
+        marks.extend(passed.filter(|s| *s > ends[0] && *s < ends[1]));
+    }
+    marks.sort_by(f64::total_cmp);
+    let is_met = |s: f64| place(s).is_some_and(|r| (0.0..=1.0).contains(&r));
+    let parts = marks
+        .windows(2)
+        .filter(|part| is_met(0.5 * (part[0] + part[1])));
+    parts
+        .map(|part| [part[0], part[1]])
+        .reduce(|all, one| [all[0], one[1]])
 }
 
 impl Site {
@@ -86,5 +116,17 @@ impl Counterpart for Probing {
             contact.distance = distance;
             contact.normal = [normal[0], normal[1], 0.0];
         }
+    }
+
+    fn covered(&self, face: &ContactFace) -> [f64; 2] {
+        let site = face.nodes.get(2).and_then(|edge| self.sites.get(edge));
+        site.map_or([0.0; 2], |site| {
+            let [from, to] = site.covered;
+            if site.is_turned {
+                [1.0 - to, 1.0 - from]
+            } else {
+                [from, to]
+            }
+        })
     }
 }
