@@ -1,7 +1,8 @@
 //! What is wrong with a contact, or not solved yet, is told with its key.
 
+use super::folds::{of_itself, with_union};
 use super::scenes::{between, joined, linear};
-use crate::common::meshes::{file, mesh, moved, unit_grid};
+use crate::common::meshes::{file, file_parts, mesh, moved, unit_grid};
 use crate::common::scenes::{HELD_IN_PLANE, obstacle, plane, support};
 use signorini::scene::{Choice, ContactSpace, SceneError, SceneKind};
 use signorini::{Plan, Scene};
@@ -52,11 +53,11 @@ fn names_and_groups_of_contacts_are_checked() {
         ),
         (
             &|scene| {
-                scene.contacts[0].between[0] = "a_left".to_owned();
-                scene.contacts[0].carries = None;
+                scene.contacts[0].between[0] = "a_top".to_owned();
+                scene.contacts[0].carries = Some("a_top".to_owned());
             },
-            "contact.pair.between",
-            "both groups have facets on part",
+            "contact.pair.carries",
+            "stands beside `self`",
         ),
         (
             &|scene| {
@@ -171,4 +172,28 @@ fn a_plan_says_who_carries_and_why() {
         )];
     });
     assert_eq!(tool, softer);
+}
+
+#[test]
+fn two_groups_with_a_common_facet_and_bodies_that_meet_themselves_alone_are_refused() {
+    let parts = with_union(file_parts("fold_12_10"), "slit", &["f_upper", "f_lower"]);
+    let folded = mesh(parts);
+    let scene = |contacts, supports| Scene {
+        contacts,
+        supports,
+        ..linear([("body_f", 1.0)])
+    };
+    let held = vec![support("f_left", HELD_IN_PLANE)];
+    let refused = |scene: Scene| {
+        let error = Plan::new(&scene, &[], &folded).expect_err("a fault");
+        format!("{error:?}")
+    };
+    let common = refused(scene(between("slit", "f_upper"), held));
+    assert!(
+        common.contains("both groups have the same facets"),
+        "{common}"
+    );
+    let loose = refused(scene(of_itself("slit"), Vec::new()));
+    let expected = "nothing holds the body against translation along x";
+    assert!(loose.contains(expected), "{loose}");
 }
