@@ -52,7 +52,7 @@ mod tests {
         let bent = [("lid", [0.0, -0.1, 0.0]), ("lid", [0.2, -0.1, 0.0])];
         assert_eq!(axis_of_travel(&scene(&bent), "lid"), None);
         let mut pushed = scene(&straight[..1]);
-        let force = v1::ForceTarget {
+        let force = v1::Components {
             x: Some(1.0),
             ..Default::default()
         };
