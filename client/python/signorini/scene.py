@@ -27,6 +27,7 @@ Given = Values | npt.NDArray[Any] | str | Path
 #: Key of scene files for a field of these classes that has another name.
 KEYS = {"materials": "material", "supports": "support", "tractions": "traction", "pressures": "pressure"}
 KEYS |= {"obstacles": "obstacle", "steps": "step", "probes": "probe", "fluids": "fluid", "gradients": "gradient"}
+KEYS |= {"itself": "self"}
 KEYS |= {"contacts": "contact", "ties": "tie", "bodies": "body"}
 
 
@@ -400,10 +401,11 @@ class Body(Part):
 
 @dataclass(kw_only=True)
 class BodyContact(Part):
-    """Two groups of facets of different bodies that may touch and leave each other."""
+    """Two groups of facets that may touch and leave each other, or one that may touch `itself`."""
 
     name: str
-    between: Sequence[str]
+    between: Names
+    itself: bool | None = None
     carries: str | None = None
     friction: float | None = None
     tresca: float | None = None

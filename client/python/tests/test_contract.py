@@ -76,7 +76,7 @@ def filled(kind: Any) -> dict[str, Any]:
     values |= {"normal": 0.0} if kind is s.Support else {}
     # The program reads files; arrays go round the text.
     values.pop("values", None)
-    values |= dict.fromkeys({"inside", "facets"} & values.keys(), False)
+    values |= dict.fromkeys({"inside", "facets", "itself"} & values.keys(), False)
     words = {"formulation": "mixed", "profile": "parabolic", "name": "n", "on": ["a", "b"], "surface": "smooth"}
     words |= {"of": ["force.n.x"], "to": "load", "bound": "force.n.x"}
     words |= {"file": "tool.stl", "weld": 1e-4, "source": ["a"], "dry": "c", "film": "squeezed-out"}

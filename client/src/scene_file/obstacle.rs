@@ -22,7 +22,7 @@ const PENETRATIONS: &[(&str, v1::InitialPenetration)] = &[
 pub(super) fn contacts(scene: &Keys<'_>) -> Vec<v1::BodyContact> {
     let tables = scene.tables(
         "contact",
-        &["name", "between", "carries", "friction", "tresca"],
+        &["name", "between", "self", "carries", "friction", "tresca"],
     );
     let contact = |(index, keys): (usize, &Keys<'_>)| v1::BodyContact {
         name: name_of(keys, "contact", index),
@@ -30,6 +30,7 @@ pub(super) fn contacts(scene: &Keys<'_>) -> Vec<v1::BodyContact> {
         carries: keys.text("carries").unwrap_or_default(),
         friction: keys.number("friction"),
         tresca: keys.number("tresca"),
+        itself: keys.boolean("self").unwrap_or_default(),
     };
     tables.iter().enumerate().map(contact).collect()
 }

@@ -120,7 +120,7 @@ fn load_step() -> wire::LoadStep {
     }
 }
 
-/// Every key of a contact and of a tie between bodies.
+/// Every key of contacts and of a tie between bodies.
 fn paired_scene(mesh: &Mesh) -> wire::Scene {
     let seat = wire::BodyContact {
         name: "seat".into(),
@@ -128,6 +128,15 @@ fn paired_scene(mesh: &Mesh) -> wire::Scene {
         carries: "base".into(),
         friction: Some(0.3),
         tresca: None,
+        itself: false,
+    };
+    let fold = wire::BodyContact {
+        name: "fold".into(),
+        between: vec!["top".into()],
+        carries: String::new(),
+        friction: None,
+        tresca: Some(0.5),
+        itself: true,
     };
     let bond = wire::Tie {
         name: "bond".into(),
@@ -135,7 +144,7 @@ fn paired_scene(mesh: &Mesh) -> wire::Scene {
         carries: "base".into(),
     };
     wire::Scene {
-        contacts: vec![seat],
+        contacts: vec![seat, fold],
         ties: vec![bond],
         ..good_scene(mesh)
     }

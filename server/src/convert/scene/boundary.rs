@@ -35,7 +35,11 @@ pub(super) fn contact(
     let path = named("contact", &message.name, index);
     ContactPair {
         name: faults.name(&message.name, &path),
-        between: between(message.between, &path, faults),
+        between: if message.itself {
+            of_one(message.between, &path, faults)
+        } else {
+            of_two(message.between, &path, faults)
+        },
         carries: carries(&message.carries, &path, faults),
         friction: faults
             .not_negative(message.friction, &format!("{path}.friction"))
@@ -65,6 +69,30 @@ fn between(groups: Vec<String>, path: &str, faults: &mut Faults) -> [String; 2] 
     }
     let mut groups = names(groups, key, faults).into_iter();
     [0, 1].map(|_| groups.next().unwrap_or_default())
+}
+
+/// Two different groups of the contact at `path`.
+fn of_two(groups: Vec<String>, path: &str, faults: &mut Faults) -> [String; 2] {
+    let found = between(groups, path, faults);
+    if found[0] == found[1] && !found[0].is_empty() {
+        let message = "names the same group twice: a surface that may touch itself is named once, with `self = true`";
+        faults.add(format!("{path}.between"), message);
+    }
+    found
+}
+
+/// The group of the contact at `path` whose surface may touch itself, twice.
+fn of_one(groups: Vec<String>, path: &str, faults: &mut Faults) -> [String; 2] {
+    let key = format!("{path}.between");
+    let count = groups.len();
+    if count != 1 {
+        let message =
+            format!("names {count} surface groups beside `self = true` in the place of one");
+        faults.add(&key, message);
+    }
+    let name = names(groups, key, faults).into_iter().next();
+    let name = name.unwrap_or_default();
+    [name.clone(), name]
 }
 
 /// The group that carries; none where the item leaves that open.
