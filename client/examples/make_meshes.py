@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Meshes of the seals and soft tools: o-ring, bush, lip, stopper, finger, tyre, belt, gripper, of the seals that fluids
-press (seal-ring, lip-seal, syringe, kiss-seal), of the rollers, of the bush in its sleeves, and the surface of the egg that the gripper meets.
+press (seal-ring, lip-seal, syringe, kiss-seal), of the rollers, of the bush in its sleeves, of the bellows, and the surface of the egg that the gripper meets.
 usage: make_meshes.py [OUTDIR [FACTOR OF THE SIZES OF THOSE SEALS]]
 
 Needs `pip install gmsh numpy`. Lengths in millimetres.
@@ -259,7 +259,24 @@ def sleeved_bush():
     write("sleeved-bush", bodies, groups, order=2)
 
 
-for make in (o_ring, bush, lip, stopper, finger, tyre, belt, gripper, seal_ring, lip_seal, syringe, kiss_seal, rollers, sleeved_bush):
+def bellows():
+    """Section of a bellows of three folds of 8 mm between radii of 14 and 20 mm, wall 1.2 mm."""
+    folds, steps, pitch = 3, 8, 8.0
+    z = np.linspace(0, folds * pitch, 2 * folds * steps + 1)
+    x = 17 + 3 * np.cos(2 * math.pi * z / pitch)
+    slope = -6 * math.pi / pitch * np.sin(2 * math.pi * z / pitch)
+    normal = np.stack([np.ones_like(z), -slope], 1) / np.hypot(1, slope)[:, None]
+    walls = {name: points(np.stack([x, z], 1) + side * normal, 0.55) for name, side in (("inside", -0.6), ("outside", 0.6))}
+    flanks = range(0, 2 * folds * steps, steps)
+    groups = {name: [PLANE.addSpline(wall[k : k + steps + 1]) for k in flanks] for name, wall in walls.items()}
+    inside, outside = walls.values()
+    groups |= {"foot": [PLANE.addLine(inside[0], outside[0])], "head": [PLANE.addLine(outside[-1], inside[-1])]}
+    back = [-curve for curve in groups["inside"][::-1]]
+    surface = PLANE.addPlaneSurface([PLANE.addCurveLoop(groups["foot"] + groups["outside"] + groups["head"] + back)])
+    write("bellows", surface, groups, order=2)
+
+
+for make in (o_ring, bush, lip, stopper, finger, tyre, belt, gripper, seal_ring, lip_seal, syringe, kiss_seal, rollers, sleeved_bush, bellows):
     gmsh.initialize(["-v", "2"])
     make()
     gmsh.finalize()

@@ -91,6 +91,37 @@ fn a_bush_is_tied_to_its_tubes_and_the_files_say_what_the_ties_carry() {
     assert!(run.stderr.contains("tie inner") || run.stdout.contains("inner"));
 }
 
+#[test]
+fn the_folds_of_a_bellows_touch_each_other_and_bear_the_load() {
+    let (run, folder) = solved("bellows");
+    let steps = run.events("step");
+    assert_eq!(steps.len(), 16);
+    let head = |step: &Value| -number(&step["supports"]["head"]["force"][1]);
+    for step in &steps {
+        assert_eq!(step["termination"], "converged");
+        let sum = head(step) - number(&step["supports"]["foot"]["force"][1]);
+        assert!(sum.abs() < 1e-5 * head(step), "{sum}");
+    }
+    // Open up to 12 mm, and ever softer; then the folds touch, outside on two places more than inside.
+    let width = |step: &Value, name: &str| number(&step["contacts"][name]["contact_width"]);
+    let [open, shut] = [&steps[11], &steps[15]];
+    for name in ["outer", "inner"] {
+        assert_eq!(width(open, name), 0.0);
+        assert!(width(shut, name) > 2.0, "{shut}");
+    }
+    let stiffness = |last: usize| head(&steps[last]) - head(&steps[last - 1]);
+    assert!(stiffness(11) < stiffness(1), "{}", stiffness(11));
+    assert!(stiffness(15) > 20.0 * stiffness(11), "{}", stiffness(15));
+    let places = |name: &str| {
+        let intervals = shut["contacts"][name]["contact_intervals"].as_array();
+        intervals.unwrap().len()
+    };
+    assert_eq!([places("outer"), places("inner")], [3, 2]);
+    let table = std::fs::read_to_string(folder.join("results.csv")).unwrap();
+    let header = table.lines().next().unwrap();
+    assert!(header.contains("contact.outer.peak_pressure_y"), "{header}");
+}
+
 /// A scene of squares, one on the other, tied where they meet; the upper one is half as wide.
 const STACKED: &str = r#"
 kind = "plane-strain"
