@@ -16,7 +16,7 @@
 
 use super::area_change::WHOLE;
 use super::counterpart::Counterpart;
-use super::deformed::{Deformed, FacePoints, Table};
+use super::deformed::{Deformed, Table};
 use super::face::ContactFace;
 use super::surface::ContactSurface;
 use crate::geometry::vector3::{add, dot, scale};
@@ -62,7 +62,7 @@ pub fn closing<C: Counterpart + ?Sized>(
                 Some(mean) => mean,
                 None => at.of_last(face, points.table.values(point), &last),
             };
-            let motion = at.motion_at(points, face, (point, components));
+            let motion = points.field_at(face, (point, components), at.motion);
             let (pressure, traction, dual) = pressures;
             let work = pressure * dot(contact.normal, motion) + dot(traction, motion);
             sum[0] += points.weights[point] * (work + dual * contact.distance);
@@ -115,23 +115,5 @@ impl Closing<'_> {
         let own = face.functions.iter().map(|&k| k as usize);
         let own = own.zip(values.iter().copied());
         self.sum(own.filter(|(k, _)| last[*k]))
-    }
-
-    /// r at a point of a face.
-    fn motion_at(
-        &self,
-        points: &FacePoints<'_>,
-        face: &ContactFace,
-        (point, components): (usize, usize),
-    ) -> [f64; 3] {
-        let mut motion = [0.0; 3];
-        let shapes = points.table.shapes(point);
-        for (&node, shape) in face.nodes.iter().zip(shapes) {
-            let own = self.motion[node as usize * components..].iter();
-            for (sum, value) in motion.iter_mut().zip(own.take(components)) {
-                *sum += shape * value;
-            }
-        }
-        motion
     }
 }

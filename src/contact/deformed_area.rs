@@ -6,6 +6,7 @@
 use std::borrow::Cow;
 
 use super::deformed::{Deformed, Measure, Table};
+use super::face::ContactFace;
 use super::surface::ContactSurface;
 
 impl ContactSurface {
@@ -58,6 +59,35 @@ impl ContactSurface {
             let nodes = face.functions.iter().map(|&k| self.carriers[k as usize]);
             nodes.zip(values).collect::<Vec<_>>()
         })
+    }
+
+    /// The largest value at a node of the pressure with these `coefficients` `[functions]`, as the
+    /// sum that it is of them: functions with their weights; empty where no value is above zero.
+    pub fn largest_as_sum(&self, coefficients: &[f64]) -> Vec<(u32, f64)> {
+        let mut known = (0.0, Vec::new());
+        for face in &self.faces {
+            let own = face.functions.iter().map(|&k| coefficients[k as usize]);
+            let own: Vec<f64> = own.collect();
+            let values = self.basis.at_nodes(face.corners.len(), &own);
+            for (node, value) in values.into_iter().enumerate() {
+                if value > known.0 {
+                    known = (value, self.weights_at_node(face, node));
+                }
+            }
+        }
+        known.1
+    }
+
+    /// Weights of a face's functions in the value at one of its nodes.
+    fn weights_at_node(&self, face: &ContactFace, node: usize) -> Vec<(u32, f64)> {
+        let unit = |k: usize| {
+            let mut own = vec![0.0; face.functions.len()];
+            own[k] = 1.0;
+            self.basis.at_nodes(face.corners.len(), &own)[node]
+        };
+        let all = face.functions.iter().enumerate();
+        let all = all.map(|(k, &function)| (function, unit(k)));
+        all.filter(|(_, weight)| *weight != 0.0).collect()
     }
 
     /// Largest value at the nodes of all faces, at least zero, of the pressure with

@@ -27,6 +27,7 @@ pub mod layout;
 mod node_gaps;
 pub mod patches;
 mod path;
+mod point_values;
 mod portion;
 pub(crate) mod quadratic_face;
 pub mod resultant;
@@ -48,6 +49,7 @@ pub use face::ContactFace;
 pub use gap::{Linearisation, area_rows, evaluate_gaps, linearise, linearise_advanced};
 pub use intervals::ContactInterval;
 pub use path::{PathPoint, path};
+pub use point_values::{FaceFields, values_at_points};
 pub use resultant::{Acting, Resultant, resultant};
 pub use surface::ContactSurface;
 
