@@ -155,6 +155,7 @@ mod tests {
 
     fn answer(cells: &[f64]) -> GoalReport {
         GoalReport {
+            by_nodes: None,
             value: 1.0,
             bound: Some(GoalBound {
                 cells: cells.to_vec(),

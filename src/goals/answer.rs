@@ -45,17 +45,19 @@ pub(crate) fn answer(
         controls: &controls,
     };
     let free = Free::new((&run.model, &*run.state), &answered)?;
-    let derivatives = gradients(run, (&answered, &free), &asked.parameters)?;
+    let derived = gradients(run, (&answered, &free), &asked.parameters)?;
     let at = At {
         borderline: borderline(&run.model, run.state, &now),
         now,
     };
     let shares = free.shares(duals.len());
-    let all = duals.iter().zip(&shares).zip(derivatives);
+    let mut nodes = derived.nodes.into_iter();
+    let all = duals.iter().zip(&shares).zip(derived.rows);
     let report = |((dual, shares), derivatives): ((&Dual, &Vec<f64>), Vec<f64>)| {
         let freed = Freed::new(dual, &pushed, shares);
         GoalReport {
             derivatives: asked.named(&dual.name, derivatives),
+            by_nodes: nodes.next().filter(|_| asked.by_nodes(&dual.name)),
             ..at.report(
                 (&run.model, &*run.state),
                 (dual, &freed),
@@ -106,6 +108,12 @@ impl<'q> Asked<'q> {
         asked
             .find(|errors| *errors == GoalErrors::Bounded)
             .unwrap_or_default()
+    }
+
+    /// Whether the goal is differentiated by the places of the vertices.
+    fn by_nodes(&self, goal: &Goal) -> bool {
+        let mut asked = self.about(goal);
+        asked.any(|one| one.parameters.contains(&Parameter::Mesh))
     }
 
     /// Those `derivatives` by all parameters that are asked of the goal.
@@ -162,6 +170,7 @@ impl At {
             goal: dual.name.to_string(),
             value: dual.goal.value(model, state) * dual.goal.unit(),
             derivatives: Vec::new(),
+            by_nodes: None,
             borderline: self.borderline,
             solver_error: solver,
             bound,

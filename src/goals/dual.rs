@@ -63,7 +63,7 @@ pub(super) fn dual(
     goal: &Goal,
 ) -> Result<Dual, GoalError> {
     let start = std::time::Instant::now();
-    let resolved = ResolvedGoal::new(&run.model, goal)?;
+    let resolved = ResolvedGoal::new((&run.model, &*run.state), goal)?;
     let right = resolved.derivative(&run.model, run.state, run.work);
     let before = run.counters.applications;
     let solved = program.solve_dual(run, &right);

@@ -70,15 +70,17 @@ impl<'m> Forms<'m> {
 }
 
 /// Constants of a linear body.
-struct Linear {
-    shear: f64,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Linear {
+    pub(super) shear: f64,
     /// What displacements carry of lambda.
-    lame: f64,
+    pub(super) lame: f64,
     /// 1 / lambda of the pressure; none without pressures.
-    inverse: Option<f64>,
+    pub(super) inverse: Option<f64>,
 }
 
-fn linear(model: &Model<'_>, material: usize) -> Linear {
+/// Those of a material.
+pub(super) fn linear(model: &Model<'_>, material: usize) -> Linear {
     let law = model.plan.problem.resolved.materials[material].law;
     let stress = model.plan.problem.units.stress;
     let is_mixed = model.plan.is_mixed();

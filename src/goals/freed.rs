@@ -64,6 +64,11 @@ impl<'a> Freed<'a> {
         self.goal().unit()
     }
 
+    /// Whether the goal is the energy of the body.
+    pub(super) fn is_energy(&self) -> bool {
+        self.goal().is_energy()
+    }
+
     /// y . R.
     pub(super) fn work(&self, state: &State, now: &Evaluation) -> f64 {
         let parts = self.parts.iter();

@@ -16,7 +16,9 @@
 
 use super::dual::Dual;
 use super::error::GoalError;
+use super::nodes::{self, ByNodes};
 use super::perturbed::{Change, Place};
+use crate::linalg::vector::norm;
 use crate::linalg::{DenseLu, DenseMatrix, Workspace};
 use crate::model::Model;
 use crate::model::evaluate::evaluate;
@@ -46,7 +48,15 @@ impl<'a> Answered<'a> {
     }
 }
 
-/// Derivatives `[goals][parameters]`, in the caller's units.
+/// What goals depend on, in the caller's units.
+pub(super) struct Derived {
+    /// `[goals][parameters]`; by the places of all vertices the root of the sum of squares.
+    pub(super) rows: Vec<Vec<f64>>,
+    /// By the places of the vertices `[goals][vertices]`; empty where that is not asked for.
+    pub(super) nodes: Vec<ByNodes>,
+}
+
+/// Derivatives of all goals by all parameters.
 ///
 /// # Errors
 /// [`GoalError`] of a parameter.
@@ -54,18 +64,24 @@ pub(super) fn gradients(
     run: &Run<'_>,
     (answered, free): (&Answered<'_>, &Free),
     parameters: &[Parameter],
-) -> Result<Vec<Vec<f64>>, GoalError> {
+) -> Result<Derived, GoalError> {
     let mut rows = vec![Vec::with_capacity(parameters.len()); answered.goals.len()];
+    let mut nodes = Vec::new();
     for parameter in parameters {
         if let Some(stopped) = run.stopped() {
             return Err(GoalError::Stopped(stopped));
         }
-        let column = free.column((&run.model, &*run.state), answered, parameter)?;
+        let column = if *parameter == Parameter::Mesh {
+            nodes = free.by_nodes((&run.model, &*run.state), answered)?;
+            nodes.iter().map(|own| norm(own.as_flattened())).collect()
+        } else {
+            free.column((&run.model, &*run.state), answered, parameter)?
+        };
         rows.iter_mut()
             .zip(column)
             .for_each(|(row, value)| row.push(value));
     }
-    Ok(rows)
+    Ok(Derived { rows, nodes })
 }
 
 /// How poses that follow from pushes answer.
@@ -163,6 +179,31 @@ impl Free {
                 .for_each(|(row, value)| row.push(value));
         }
         shares
+    }
+
+    /// Derivatives of all goals by the places of the vertices.
+    fn by_nodes(
+        &self,
+        (model, state): (&Model<'_>, &State),
+        answered: &Answered<'_>,
+    ) -> Result<Vec<ByNodes>, GoalError> {
+        nodes::refuse(model, state)?;
+        let all = answered.all();
+        let mut all: Vec<ByNodes> = all
+            .map(|dual| nodes::by_nodes(model, state, dual))
+            .collect();
+        let count = answered.goals.len();
+        let pushed = all.split_off(count);
+        for (place, forces) in pushed.iter().enumerate() {
+            let mut unit = vec![0.0; pushed.len()];
+            unit[place] = 1.0;
+            for (own, led) in all.iter_mut().zip(self.led(count, unit)) {
+                let values = own.as_flattened_mut().iter_mut();
+                let values = values.zip(forces.as_flattened());
+                values.for_each(|(own, force)| *own -= led * force);
+            }
+        }
+        Ok(all)
     }
 
     /// (dJ/dq) (dF/dq)^-1 `forces`, of that many goals.

@@ -19,6 +19,7 @@
 //! | [`dual`] | y, by the operators that the solver has |
 //! | [`freed`] | a goal whose poses follow from pushes |
 //! | [`bound`], [`form`] | the error of J by the mesh, from the errors of x and y |
+//! | [`nodes`] | the derivative by the places of all vertices |
 //! | [`perturbed`], [`gradient`] | the derivative of J + y . R with the state held fast |
 //!
 //! Where points slip x has no traction of its own: it follows its pressure, so that K is not
@@ -34,6 +35,7 @@ mod form;
 mod freed;
 mod gradient;
 mod history;
+mod nodes;
 mod own_contact;
 mod perturbed;
 mod resolved;

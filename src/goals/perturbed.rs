@@ -295,6 +295,7 @@ fn place(model: &Model<'_>, parameter: &Parameter) -> Result<Place, GoalError> {
         } => Place::Shape(obstacle(name)?, key.clone()),
         Parameter::Friction { obstacle: name } => Place::Friction(obstacle(name)?),
         Parameter::Tresca { obstacle: name } => Place::Tresca(obstacle(name)?),
+        Parameter::Mesh => return Err(no_number(parameter)),
         Parameter::Load => Place::Load,
         Parameter::Pressure { index } => {
             let is_there = *index < problem.resolved.pressures.len();
@@ -314,6 +315,14 @@ fn place(model: &Model<'_>, parameter: &Parameter) -> Result<Place, GoalError> {
             support_axis(model, parameter, (index, usize::from(*axis)))?
         }
     })
+}
+
+/// What is no single number is not changed by a step.
+fn no_number(parameter: &Parameter) -> GoalError {
+    GoalError::Absent {
+        text: parameter.to_string(),
+        cause: "places of nodes are no single number".to_owned(),
+    }
 }
 
 /// Step of a coefficient of friction; a cause where it has no derivative.

@@ -4,6 +4,8 @@
 //! obstacle   J = -l . C w          J_u = K w + [f x a],  J_l = -C w,   f = -C^T l
 //! support    J = w . (A u + B^T p + C^T l - load)        J_x = M^T w
 //! probe      J = u(X) . e
+//! pressure   J = sum of w_k l_k                         the largest value at a node, which stays that
+//! energy     J = int W - p . (B u - S p / 2)            J_u = A u + B^T p, J_p = B u - S p = 0
 //! ```
 //!
 //! w the rigid motion of the whole body that the goal does work on, of a support that of its
@@ -15,14 +17,16 @@
 use super::error::GoalError;
 use super::own_contact::OwnContact;
 use super::transposed::{transposed, zeros};
+use crate::contact::shares::add_equal_columns;
 use crate::geometry::vector3::{cross, sub};
 use crate::linalg::vector::{add_scaled, dot};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::mesh::locate::Located;
 use crate::model::Model;
+use crate::model::energy::strain_energy;
 use crate::model::internal::internal;
 use crate::model::state::State;
-use crate::model::values::displacement_at;
+use crate::model::values::{displacement_at, gradient_at};
 use crate::obstacle::Obstacle;
 use crate::results::geometry_error::geometry_error;
 use crate::results::nodal_force::{contact_force, reaction};
@@ -39,7 +43,7 @@ pub(super) struct ResolvedGoal {
 }
 
 /// What is measured.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum What {
     /// Force of the obstacle of that number.
     Force(usize),
@@ -49,14 +53,21 @@ enum What {
     Reaction(usize),
     /// Displacement of a place.
     Displacement(Located),
+    /// Largest pressure of an obstacle: multipliers with their weights.
+    MaxPressure(Vec<(usize, f64)>),
+    /// Energy of the body.
+    StrainEnergy,
 }
 
 impl ResolvedGoal {
-    /// Of a goal of the scene.
+    /// Of a goal of the scene; at a node of the surface of the `state`, where pressures are.
     ///
     /// # Errors
     /// [`GoalError::Unknown`] and [`GoalError::Absent`].
-    pub(super) fn new(model: &Model<'_>, goal: &Goal) -> Result<Self, GoalError> {
+    pub(super) fn new(
+        (model, state): (&Model<'_>, &State),
+        goal: &Goal,
+    ) -> Result<Self, GoalError> {
         let problem = &model.plan.problem;
         let unknown = || GoalError::Unknown {
             text: goal.to_string(),
@@ -83,6 +94,11 @@ impl ResolvedGoal {
                 let found = all.find(|one| one.name == goal.name).ok_or_else(unknown)?;
                 (What::Displacement(found.place), problem.units.length)
             }
+            GoalKind::MaxPressure => {
+                let place = largest_pressure(model, state, obstacle()?);
+                (What::MaxPressure(place), problem.units.stress)
+            }
+            GoalKind::StrainEnergy => (What::StrainEnergy, problem.units.energy()),
         };
         let axis = usize::from(goal.axis);
         let resolved = Self { what, axis, unit };
@@ -100,10 +116,10 @@ impl ResolvedGoal {
         if let Some(cause) = goal.absent(plan.problem.resolved.kind) {
             return absent(cause);
         }
-        let What::Reaction(support) = self.what else {
+        let What::Reaction(support) = &self.what else {
             return Ok(());
         };
-        let own = &plan.problem.resolved.supports[support];
+        let own = &plan.problem.resolved.supports[*support];
         if own.oblique.is_empty() && own.patches.is_empty() {
             Ok(())
         } else {
@@ -119,8 +135,8 @@ impl ResolvedGoal {
     /// Adds `factor` of the motion of the nodes of a support, which the mesh has made: a dual solution
     /// less that is smooth where the exact one is, with the same error.
     pub(super) fn add_support_motion(&self, model: &Model<'_>, factor: f64, to: &mut [f64]) {
-        if let What::Reaction(support) = self.what {
-            add_scaled(to, factor, &self.support_motion(model, support));
+        if let What::Reaction(support) = &self.what {
+            add_scaled(to, factor, &self.support_motion(model, *support));
         }
     }
 
@@ -132,7 +148,7 @@ impl ResolvedGoal {
         to: &mut [f64],
     ) {
         let is_own =
-            matches!(self.what, What::Force(index) | What::Moment(index) if index == obstacle);
+            matches!(&self.what, What::Force(index) | What::Moment(index) if *index == obstacle);
         let own = OwnContact::new(model, state, obstacle).filter(|_| is_own);
         if let Some(own) = own {
             add_scaled(to, factor, &self.motion(model, state, &own));
@@ -146,10 +162,10 @@ impl ResolvedGoal {
 
     /// What flat facets in the place of a curved surface make of the goal, in the caller's units.
     pub(super) fn geometry(&self, model: &Model<'_>, state: &State) -> f64 {
-        let (What::Force(index) | What::Moment(index)) = self.what else {
+        let (What::Force(index) | What::Moment(index)) = &self.what else {
             return 0.0;
         };
-        let interface = model.interfaces.list.get(index);
+        let interface = model.interfaces.list.get(*index);
         let relative = interface.and_then(|one| geometry_error(model, state, one));
         relative.map_or(0.0, |relative| {
             relative * self.value(model, state).abs() * self.unit
@@ -158,9 +174,9 @@ impl ResolvedGoal {
 
     /// J, non-dimensional.
     pub(super) fn value(&self, model: &Model<'_>, state: &State) -> f64 {
-        match self.what {
+        match &self.what {
             What::Force(index) | What::Moment(index) => {
-                let own = OwnContact::new(model, state, index);
+                let own = OwnContact::new(model, state, *index);
                 own.map_or(0.0, |own| {
                     dot(&own.force(state), &self.motion(model, state, &own))
                 })
@@ -169,10 +185,20 @@ impl ResolvedGoal {
                 let inside = internal(model, state, &mut Workspace::new()).force;
                 let contact = contact_force(model, state);
                 let found = reaction(model, state, inside, &contact);
-                dot(&found, &self.support_motion(model, support))
+                dot(&found, &self.support_motion(model, *support))
             }
             What::Displacement(at) => {
                 displacement_at(model, state, at.cell as usize, &at.barycentric)[self.axis]
+            }
+            What::MaxPressure(places) => {
+                let parts = places.iter();
+                parts.map(|(place, w)| w * state.multiplier[*place]).sum()
+            }
+            What::StrainEnergy => {
+                let work = &mut Workspace::new();
+                let inside = internal(model, state, work);
+                let energy = strain_energy(model, state, &inside, work);
+                energy - dot(&state.pressure, &inside.constraint)
             }
         }
     }
@@ -184,16 +210,30 @@ impl ResolvedGoal {
         state: &State,
         work: &mut Workspace,
     ) -> Fields {
-        match self.what {
+        match &self.what {
             What::Force(index) | What::Moment(index) => {
-                let own = OwnContact::new(model, state, index);
+                let own = OwnContact::new(model, state, *index);
                 own.map_or_else(|| zeros(state), |own| self.of_obstacle(model, state, &own))
             }
             What::Reaction(support) => {
-                let motion = self.support_motion(model, support);
+                let motion = self.support_motion(model, *support);
                 transposed(model, state, &motion, work)
             }
-            What::Displacement(at) => self.of_place(model, state, &at),
+            What::Displacement(at) => self.of_place(model, state, at),
+            What::MaxPressure(places) => {
+                let mut out = zeros(state);
+                for (place, weight) in places {
+                    out.multiplier[*place] = *weight;
+                }
+                out
+            }
+            What::StrainEnergy => {
+                let inside = internal(model, state, work);
+                let mut out = zeros(state);
+                add_scaled(&mut out.pressure, -1.0, &inside.constraint);
+                out.displacement = inside.force;
+                out
+            }
         }
     }
 
@@ -203,17 +243,7 @@ impl ResolvedGoal {
         let curvature = own.curvature(model, state);
         let work = &mut Workspace::new();
         curvature.apply_transposed(&motion, &mut out.displacement, work);
-        if let What::Moment(_) = self.what {
-            let mut about = [0.0; 3];
-            about[self.axis] = 1.0;
-            let c = model.prepared.space.components;
-            let forces = own.force(state);
-            let rows = out.displacement.chunks_exact_mut(c);
-            for (own, force) in rows.zip(forces.chunks_exact(c)) {
-                let turned = cross(in_space(force), about);
-                own.iter_mut().zip(turned).for_each(|(x, t)| *x += t);
-            }
-        }
+        self.add_turned(model, &own.force(state), &mut out.displacement);
         own.add_work(-1.0, &motion, &mut out.multiplier);
         out
     }
@@ -229,6 +259,51 @@ impl ResolvedGoal {
             out.displacement[node * c + self.axis] += share;
         }
         out
+    }
+
+    /// Whether the goal is the energy of the body.
+    pub(super) fn is_energy(&self) -> bool {
+        matches!(self.what, What::StrainEnergy)
+    }
+
+    /// The rigid motion that the goal does work on, where it is of that obstacle.
+    pub(super) fn of_own_motion(
+        &self,
+        model: &Model<'_>,
+        state: &State,
+        obstacle: usize,
+    ) -> Option<Vec<f64>> {
+        let is_own =
+            matches!(&self.what, What::Force(index) | What::Moment(index) if *index == obstacle);
+        let own = OwnContact::new(model, state, obstacle).filter(|_| is_own)?;
+        Some(self.motion(model, state, &own))
+    }
+
+    /// Adds f x a of a moment about a: how its motion turns with the places of the nodes.
+    pub(super) fn add_turned(&self, model: &Model<'_>, forces: &[f64], field: &mut [f64]) {
+        if let What::Moment(_) = &self.what {
+            let mut about = [0.0; 3];
+            about[self.axis] = 1.0;
+            let c = model.prepared.space.components;
+            for (own, force) in field.chunks_exact_mut(c).zip(forces.chunks_exact(c)) {
+                let turned = cross(in_space(force), about);
+                own.iter_mut().zip(turned).for_each(|(x, t)| *x += t);
+            }
+        }
+    }
+
+    /// Adds what a fixed place of a probe sees of vertices that move on.
+    pub(super) fn add_place(&self, model: &Model<'_>, state: &State, sums: &mut [[f64; 3]]) {
+        if let What::Displacement(at) = &self.what {
+            let cell = at.cell as usize;
+            let gradient = gradient_at(model, state, cell, &at.barycentric);
+            for (&vertex, share) in model.mesh.cell(cell).iter().zip(at.barycentric) {
+                let sum = &mut sums[vertex as usize];
+                let row = gradient[self.axis];
+                let components = 0..model.prepared.space.components;
+                components.for_each(|i| sum[i] -= share * row[i]);
+            }
+        }
     }
 
     /// The rigid motion of the body that the goal does work on, hierarchical `[displacement]`.
@@ -273,6 +348,25 @@ impl ResolvedGoal {
         }
         nodal
     }
+}
+
+/// The largest pressure at a node of an obstacle's surface as the sum that it is of multipliers.
+fn largest_pressure(model: &Model<'_>, state: &State, index: usize) -> Vec<(usize, f64)> {
+    let Some(interface) = model.interfaces.list.get(index) else {
+        return Vec::new();
+    };
+    let surface = &interface.surface;
+    let functions = surface.largest_as_sum(&interface.coefficients(&state.multiplier));
+    let places: Vec<usize> = interface.places().collect();
+    let shares = functions.iter().flat_map(|&(function, weight)| {
+        let own = surface.shares.of(function);
+        own.map(move |(multiplier, share)| (multiplier, weight * share))
+    });
+    let mut all: Vec<(u32, f64)> = shares.collect();
+    add_equal_columns(&mut all);
+    let all = all.into_iter();
+    all.map(|(multiplier, weight)| (places[multiplier as usize], weight))
+        .collect()
 }
 
 fn in_space(row: &[f64]) -> [f64; 3] {

@@ -48,11 +48,14 @@ pub enum FieldName {
     /// error is asked for, over its volume: in the plane its area, about an axis the ring's volume.
     /// Absent without such a goal.
     ErrorDensity,
+    /// `[vertices, 3]`: derivative of the first goal with a gradient by `mesh`, by the place of the
+    /// vertex. Absent without such a goal.
+    MeshGradient,
 }
 
 impl FieldName {
     /// Every field, in the order of the documentation.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Displacement,
         Self::Pressure,
         Self::ContactPressure,
@@ -69,6 +72,7 @@ impl FieldName {
         Self::NodalForce,
         Self::ContactPath,
         Self::ErrorDensity,
+        Self::MeshGradient,
     ];
 
     /// The name used in scenes, on the wire and in VTU files.
@@ -90,6 +94,7 @@ impl FieldName {
             Self::NodalForce => "nodal_force",
             Self::ContactPath => "contact_path",
             Self::ErrorDensity => "error_density",
+            Self::MeshGradient => "mesh_gradient",
         }
     }
 

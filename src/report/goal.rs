@@ -33,6 +33,9 @@ pub struct GoalReport {
     pub value: f64,
     /// Parameters as scenes name them, each with the derivative by it, in the caller's units.
     pub derivatives: Vec<(String, f64)>,
+    /// By the places of the vertices that cells use `[vertices][3]`, in the caller's units; none where
+    /// that was not asked for.
+    pub by_nodes: Option<Vec<[f64; 3]>>,
     /// Contacts at the border of closing or opening: where there are any derivatives are one-sided.
     pub borderline: u32,
     /// What the residuals that the solver left make of the value, to first order.

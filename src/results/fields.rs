@@ -60,7 +60,7 @@ pub(crate) fn field(
         }
         FieldName::ContactPath => (PATH, touching(model, state)?.path()?),
         // Of a goal, not of the state: the session has it.
-        FieldName::ErrorDensity => return None,
+        FieldName::ErrorDensity | FieldName::MeshGradient => return None,
     };
     Some(FieldData {
         name,

@@ -6,6 +6,8 @@
 //! | `moment.NAME.z` | its moment about its reference point | force times length |
 //! | `reaction.NAME.y` | force of a support on the body | force |
 //! | `displacement.NAME.y` | displacement of a probe | length |
+//! | `max_pressure.NAME` | largest contact pressure of an obstacle | stress |
+//! | `strain_energy` | energy that the body stores | force times length |
 //!
 //! About an axis forces along x are radial, summed over the full turn: those of opposite sides do not
 //! balance each other there.
@@ -30,9 +32,9 @@ pub struct Malformed {
 pub struct Goal {
     /// What is measured.
     pub kind: GoalKind,
-    /// Name of the obstacle, the support or the probe.
+    /// Name of the obstacle, the support or the probe; empty where there is none.
     pub name: String,
-    /// Axis of the component, 0 to 2.
+    /// Axis of the component, 0 to 2; 0 where there is none.
     pub axis: u8,
 }
 
@@ -47,15 +49,21 @@ pub enum GoalKind {
     Reaction,
     /// Displacement of a probe.
     Displacement,
+    /// Largest contact pressure at a node of an obstacle's surface.
+    MaxPressure,
+    /// Energy that the body stores.
+    StrainEnergy,
 }
 
 impl GoalKind {
     /// All of them.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 6] = [
         Self::Force,
         Self::Moment,
         Self::Reaction,
         Self::Displacement,
+        Self::MaxPressure,
+        Self::StrainEnergy,
     ];
 
     /// The name used in scenes.
@@ -65,15 +73,27 @@ impl GoalKind {
             Self::Moment => "moment",
             Self::Reaction => "reaction",
             Self::Displacement => "displacement",
+            Self::MaxPressure => "max_pressure",
+            Self::StrainEnergy => "strain_energy",
+        }
+    }
+
+    /// Whether such a goal has a name and an axis.
+    fn has(self) -> [bool; 2] {
+        match self {
+            Self::Force | Self::Moment | Self::Reaction | Self::Displacement => [true, true],
+            Self::MaxPressure => [true, false],
+            Self::StrainEnergy => [false, false],
         }
     }
 
     /// What the name of such a goal is the name of.
     pub fn owner(self) -> &'static str {
         match self {
-            Self::Force | Self::Moment => "obstacle",
+            Self::Force | Self::Moment | Self::MaxPressure => "obstacle",
             Self::Reaction => "support",
             Self::Displacement => "probe",
+            Self::StrainEnergy => "body",
         }
     }
 }
@@ -83,9 +103,10 @@ impl Goal {
     pub(crate) fn absent(&self, kind: SceneKind) -> Option<&'static str> {
         let is_plane = kind != SceneKind::Solid;
         let is_moment = self.kind == GoalKind::Moment;
+        let [_, has_axis] = self.kind.has();
         if is_moment && kind == SceneKind::Axisymmetric {
             Some("moments of a full turn are zero")
-        } else if is_plane && is_moment != (self.axis == 2) {
+        } else if has_axis && is_plane && is_moment != (self.axis == 2) {
             Some("a plane body has forces and displacements along x and y and moments about z")
         } else {
             None
@@ -108,8 +129,12 @@ pub(super) fn axis_name(axis: u8) -> &'static str {
 
 impl fmt::Display for Goal {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let axis = axis_name(self.axis);
-        write!(out, "{}.{}.{axis}", self.kind.name(), self.name)
+        let (kind, axis) = (self.kind.name(), axis_name(self.axis));
+        match self.kind.has() {
+            [true, true] => write!(out, "{kind}.{}.{axis}", self.name),
+            [true, false] => write!(out, "{kind}.{}", self.name),
+            [false, _] => write!(out, "{kind}"),
+        }
     }
 }
 
@@ -121,13 +146,26 @@ impl FromStr for Goal {
         let malformed = || Malformed {
             text: text.to_owned(),
             expected: "KIND.NAME.AXIS, such as force.lid.y; kinds are force, moment, reaction and \
-                       displacement",
+                       displacement; or max_pressure.NAME, or strain_energy",
         };
-        let (kind, rest) = text.split_once('.').ok_or_else(malformed)?;
-        let (name, last) = rest.rsplit_once('.').ok_or_else(malformed)?;
+        let (kind, rest) = text.split_once('.').unwrap_or((text, ""));
         let mut kinds = GoalKind::ALL.into_iter();
         let kind = kinds.find(|one| one.name() == kind).ok_or_else(malformed)?;
-        let axis = axis(last).ok_or_else(malformed)?;
+        let (name, axis) = match kind.has() {
+            [true, true] => {
+                let (name, last) = rest.rsplit_once('.').ok_or_else(malformed)?;
+                (name, axis(last).ok_or_else(malformed)?)
+            }
+            [true, false] => (rest, 0),
+            [false, _] if text == kind.name() => {
+                return Ok(Self {
+                    kind,
+                    name: String::new(),
+                    axis: 0,
+                });
+            }
+            [false, _] => return Err(malformed()),
+        };
         if name.is_empty() {
             return Err(malformed());
         }
@@ -145,7 +183,13 @@ mod tests {
 
     #[test]
     fn a_goal_reads_what_it_writes() {
-        for text in ["force.lid.y", "reaction.left.wall.x", "displacement.p.z"] {
+        for text in [
+            "force.lid.y",
+            "reaction.left.wall.x",
+            "displacement.p.z",
+            "max_pressure.left.lid",
+            "strain_energy",
+        ] {
             assert_eq!(text.parse::<Goal>().expect("a goal").to_string(), text);
         }
     }
@@ -159,6 +203,10 @@ mod tests {
             "force..y",
             "force.lid",
             "area.lid.y",
+            "max_pressure",
+            "max_pressure.",
+            "strain_energy.",
+            "strain_energy.lid",
         ] {
             let error = text.parse::<Goal>().expect_err("no goal").to_string();
             assert!(error.contains(&format!("`{text}`")), "{error}");

@@ -10,6 +10,7 @@
 //! | `obstacle.NAME.tresca` | the given bound of its tractions | stress |
 //! | `obstacle.NAME.force.y` | what the obstacle is pushed by, also `moment.z` | force |
 //! | `load` | factor of all loads | |
+//! | `mesh` | the places of all vertices | length |
 //! | `pressure.0` | a follower pressure, by its place in the scene | stress |
 //! | `traction.0.x` | a dead load, by its place or its name | stress |
 //! | `body_force.y` | | force per volume |
@@ -63,6 +64,8 @@ pub enum Parameter {
     },
     /// The factor of all loads.
     Load,
+    /// The places of all vertices.
+    Mesh,
     /// A follower pressure.
     Pressure {
         /// Its place among the pressures of the scene.
@@ -91,7 +94,7 @@ pub enum Parameter {
 
 /// The form of parameters, for messages.
 const FORM: &str = "material.GROUP.KEY, obstacle.NAME.KEY, support.NAME.AXIS, pressure.NUMBER, \
-                    traction.NAME.AXIS, body_force.AXIS or load";
+                    traction.NAME.AXIS, body_force.AXIS, mesh or load";
 
 /// Keys of an obstacle with an axis that are not its shape's, and their first axis.
 const MOTIONS: [(&str, u8); 4] = [
@@ -115,6 +118,9 @@ impl FromStr for Parameter {
 fn parsed(text: &str) -> Option<Parameter> {
     if text == "load" {
         return Some(Parameter::Load);
+    }
+    if text == "mesh" {
+        return Some(Parameter::Mesh);
     }
     let (kind, rest) = text.split_once('.')?;
     match kind {
@@ -190,6 +196,7 @@ impl fmt::Display for Parameter {
             Self::Friction { obstacle } => write!(out, "obstacle.{obstacle}.friction"),
             Self::Tresca { obstacle } => write!(out, "obstacle.{obstacle}.tresca"),
             Self::Load => write!(out, "load"),
+            Self::Mesh => write!(out, "mesh"),
             Self::Pressure { index } => write!(out, "pressure.{index}"),
             Self::Traction { item, axis } => write!(out, "traction.{item}.{}", axis_name(*axis)),
             Self::BodyForce { axis } => write!(out, "body_force.{}", axis_name(*axis)),
@@ -217,6 +224,7 @@ mod tests {
             "obstacle.lid.friction",
             "obstacle.lid.tresca",
             "load",
+            "mesh",
             "pressure.0",
             "traction.side.x",
             "body_force.z",

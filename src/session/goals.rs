@@ -5,7 +5,7 @@ use crate::goals::GoalError;
 use crate::report::{
     CancelToken, FieldData, FieldName, GoalReport, StepReport, Termination, Warning, WarningKind,
 };
-use crate::scene::GoalQuestions;
+use crate::scene::{GoalQuestions, Parameter};
 
 impl Session {
     /// Values, derivatives and errors of functionals of the current state, which the last increment
@@ -27,7 +27,7 @@ impl Session {
 
     /// Adds the answers to the questions of the scene to the report of a converged increment.
     pub(super) fn add_goals(&mut self, report: &mut StepReport, cancel: &CancelToken) {
-        self.parts = None;
+        (self.parts, self.by_nodes) = (None, None);
         let questions = &self.plan().scene().questions;
         if questions.is_empty() || report.termination != Termination::Converged {
             return;
@@ -53,6 +53,7 @@ impl Session {
                 report.warnings.extend(one_sided(&goals));
                 let mut bounds = goals.iter().filter_map(|goal| goal.bound.as_ref());
                 self.parts = bounds.next().map(|bound| bound.cells.clone());
+                self.by_nodes = goals.iter().find_map(|goal| goal.by_nodes.clone());
                 report.goals = goals;
             }
             Err(error) => report.goals_refused = Some(error.to_string()),
@@ -68,6 +69,34 @@ impl Session {
             components: 1,
             values: self.body.over_volumes(parts),
         })
+    }
+
+    /// Derivative of the first goal with a gradient by the mesh, at uploaded vertices.
+    pub(super) fn mesh_gradient(&self) -> Option<FieldData> {
+        let own = self.by_nodes.clone().or_else(|| self.by_nodes_anew())?;
+        let mesh = self.body.mesh();
+        let mut values = vec![[0.0; 3]; mesh.vertex_count()];
+        for (&uploaded, value) in mesh.used_vertices().iter().zip(own) {
+            values[uploaded as usize] = value;
+        }
+        Some(FieldData {
+            name: FieldName::MeshGradient,
+            components: 3,
+            values: values.into_flattened(),
+        })
+    }
+
+    /// That where no increment of this session has left any, as after a checkpoint.
+    fn by_nodes_anew(&self) -> Option<Vec<[f64; 3]>> {
+        let mut all = self.plan().scene().questions.iter();
+        let asked = all.find(|one| one.parameters.contains(&Parameter::Mesh))?;
+        let questions = GoalQuestions {
+            goals: asked.goals.iter().take(1).cloned().collect(),
+            parameters: vec![Parameter::Mesh],
+            ..GoalQuestions::default()
+        };
+        let answers = self.answer(&questions, &CancelToken::new()).ok()?;
+        answers.into_iter().next()?.by_nodes
     }
 
     /// The parts where no increment of this session has left any, as after a checkpoint.

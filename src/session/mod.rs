@@ -73,6 +73,9 @@ pub struct Session {
     /// Part of each cell in the error of the first goal whose error is bounded; none where the
     /// last increment has none.
     parts: Option<Vec<f64>>,
+    /// Derivative of the first goal with a gradient by the mesh `[used vertices][3]`; none where the last
+    /// increment left none.
+    by_nodes: Option<Vec<[f64; 3]>>,
     /// Keeps the shared data in use, so that a cache counts them as such.
     _prepared: Arc<Prepared>,
 }
@@ -104,6 +107,7 @@ impl Session {
             reused,
             work: Workspace::new(),
             parts: None,
+            by_nodes: None,
             body,
             _prepared: prepared,
         }
@@ -446,6 +450,9 @@ impl Session {
     pub fn field(&self, name: FieldName) -> Option<FieldData> {
         if name == FieldName::ErrorDensity {
             return self.error_density();
+        }
+        if name == FieldName::MeshGradient {
+            return self.mesh_gradient();
         }
         self.body.field((&self.state, &self.learned), name)
     }

@@ -173,3 +173,27 @@ fn the_radial_force_on_a_shaft_is_that_of_lames_ring_within_its_bound() {
         assert!(error.abs() < 0.02 * exact && told.2 >= 1.0, "{told:?}");
     }
 }
+
+/// Neither is along a force: the pressure's dual solution is a spike, the energy is no linear
+/// functional.
+#[test]
+fn the_largest_pressure_and_the_energy_are_within_their_bounds() {
+    let goals = ["max_pressure.ball", "strain_energy"];
+    for problem in [
+        block(elastic(0.5), 0.03, 1),
+        block(elastic(0.3), 0.03, 1),
+        block(rubber(mooney_rivlin(), None), 0.15, 3),
+    ] {
+        let reference = asked(&goals, &problem, &mesh(square(48)));
+        for count in [6, 12] {
+            let found = asked(&goals, &problem, &mesh(square(count)));
+            for (own, exact) in found.iter().zip(&reference) {
+                let bound = own.bound.as_ref().expect("a bound");
+                let error = (exact.value - own.value).abs();
+                let told = (count, &own.goal, error, bound.total(), bound.estimate);
+                assert!(bound.total() >= error, "{told:?}");
+                assert!(bound.total() <= 2.0 * exact.value, "{told:?}");
+            }
+        }
+    }
+}

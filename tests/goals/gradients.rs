@@ -455,6 +455,39 @@ fn the_moment_of_a_box_agrees_with_differences_of_whole_solves() {
 }
 
 #[test]
+fn energy_and_largest_pressure_agree_with_differences_of_whole_solves() {
+    let goals = ["strain_energy", "max_pressure.ball"];
+    for bulk in [None, Some(30.0)] {
+        let problem = pressed(2, bulk);
+        let report = run(&problem.scene, &problem.steps, &problem.mesh).1;
+        let last = report.last().expect("a report");
+        let found = problem.ask(&goals, &[]);
+        for (own, exact) in [
+            (found[0].value, last.strain_energy),
+            (found[1].value, last.obstacles["ball"].max_pressure),
+        ] {
+            assert!((own - exact).abs() < 1e-9 * exact, "{own} {exact}");
+        }
+        assert_differences(
+            &problem,
+            &goals,
+            &[
+                ("material.body.c10", 1e-5, &set_c10),
+                ("obstacle.ball.radius", 1e-5, &set_radius),
+                ("obstacle.ball.translation.y", 1e-6, &set_height(2)),
+            ],
+        );
+    }
+    for problem in [linear(2, 0.5), linear(3, 0.3), pressed(3, Some(40.0))] {
+        assert_differences(
+            &problem,
+            &goals,
+            &[("obstacle.ball.radius", 1e-5, &set_radius)],
+        );
+    }
+}
+
+#[test]
 fn a_ball_on_a_half_space_answers_its_depth_and_radius_as_hertz_says() {
     let (mut scene, step) = hertz_sphere(0.3);
     scene.solver.verify = false;

@@ -7,5 +7,6 @@ mod adapted;
 mod bounds;
 mod friction;
 mod gradients;
+mod nodes;
 mod refusals;
 mod scenes;

@@ -180,6 +180,7 @@ fn lightest_field(scene: &v1::Scene) -> Vec<v1::FieldName> {
         | v1::FieldName::Slip
         | v1::FieldName::LowestMode
         | v1::FieldName::NodalForce
+        | v1::FieldName::MeshGradient
         | v1::FieldName::Stress
         | v1::FieldName::Jacobian => 3,
     };

@@ -33,6 +33,7 @@ pub(crate) const FIELDS: &[(&str, v1::FieldName)] = &[
     ("nodal_force", v1::FieldName::NodalForce),
     ("contact_path", v1::FieldName::ContactPath),
     ("error_density", v1::FieldName::ErrorDensity),
+    ("mesh_gradient", v1::FieldName::MeshGradient),
 ];
 
 /// The key `name`, or a name made of the kind and the position.

@@ -19,6 +19,7 @@ const ACCURACY: &[&str] = &[
     "moment",
     "reaction",
     "displacement",
+    "strain_energy",
     "max_unknowns",
     "max_memory",
     "max_time",
@@ -37,9 +38,10 @@ const AXES: &[&str] = &["x", "y", "z"];
 
 pub(super) fn accuracy(scene: &Keys<'_>) -> Option<v1::Accuracy> {
     let keys = scene.table("accuracy", ACCURACY)?;
+    let energy = target(&keys, "strain_energy", "strain_energy".to_owned());
     let targets = KINDS.iter().flat_map(|kind| targets(&keys, *kind));
     Some(v1::Accuracy {
-        targets: targets.collect(),
+        targets: targets.chain(energy).collect(),
         bound: keys.names("bound"),
         max_unknowns: count(&keys, "max_unknowns"),
         max_memory: count(&keys, "max_memory"),

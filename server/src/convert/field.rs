@@ -157,6 +157,7 @@ pub(crate) fn name(field: FieldName) -> wire::FieldName {
         FieldName::NodalForce => wire::FieldName::NodalForce,
         FieldName::ContactPath => wire::FieldName::ContactPath,
         FieldName::ErrorDensity => wire::FieldName::ErrorDensity,
+        FieldName::MeshGradient => wire::FieldName::MeshGradient,
     }
 }
 

@@ -75,7 +75,10 @@ fn check_one(
 
 fn has_goal(scene: &Scene, goal: &Goal) -> bool {
     match goal.kind {
-        GoalKind::Force | GoalKind::Moment => has_obstacle(scene, &goal.name),
+        GoalKind::Force | GoalKind::Moment | GoalKind::MaxPressure => {
+            has_obstacle(scene, &goal.name)
+        }
+        GoalKind::StrainEnergy => true,
         GoalKind::Reaction => scene.supports.iter().any(|one| one.name == goal.name),
         GoalKind::Displacement => scene.probes.iter().any(|one| one.name == goal.name),
     }
@@ -137,7 +140,7 @@ fn lacking(scene: &Scene, parameter: &Parameter) -> Option<&'static str> {
                 ),
             }
         }
-        Parameter::Load | Parameter::BodyForce { .. } => None,
+        Parameter::Load | Parameter::Mesh | Parameter::BodyForce { .. } => None,
         Parameter::Pressure { index } => unless(
             *index < scene.pressures.len(),
             "the scene has no such pressure; they are counted from 0",

@@ -13,6 +13,7 @@ const LABELS = {
   jacobian: "change of volume (det F)",
   error_estimate: "error estimate by cell",
   error_density: "error of the goal by volume",
+  mesh_gradient: "derivative of the goal by places",
 };
 const label = (name) => LABELS[name] || words(name);
 
