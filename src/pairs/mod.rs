@@ -24,10 +24,10 @@
 //! | [`fold`] | who may meet whom on one body |
 //! | [`tree`] | faces near a face |
 //! | [`pair`] | gaps of two surfaces |
-//! | [`between`] | what gaps have to tell, in whatever dimension |
-//! | [`plane`] | both sides in the plane or about an axis, by functions |
+//! | `between` | what gaps have to tell, in whatever dimension |
+//! | `plane` | both sides in the plane or about an axis, by functions |
 //! | [`space`] | both sides in space |
-//! | [`ground`] | what surfaces lie on |
+//! | `ground` | what surfaces lie on |
 //! | [`surface`] | gaps, coupling and curvature of a surface of multipliers |
 //! | [`slip`] | how far a piece has slid, and what tractions do |
 //! | [`sliding`] | slips of a surface of multipliers |

@@ -58,6 +58,11 @@ pub(crate) fn fault(error: AdaptionError) -> Fault {
             SceneError::Invalid(vec![Violation { path, message }]).into()
         }
         AdaptionError::Stopped(Termination::DeadlineExceeded) => Fault::StreamDeadline,
-        _ => Fault::RefinementFailed(text),
+        AdaptionError::Prepare(_)
+        | AdaptionError::NotConverged { .. }
+        | AdaptionError::Refinement(_)
+        | AdaptionError::NotCarried(_)
+        | AdaptionError::Stopped(_)
+        | _ => Fault::RefinementFailed(text),
     }
 }

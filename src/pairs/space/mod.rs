@@ -23,11 +23,11 @@
 //! | [`outline`] | polygons on a face |
 //! | [`choice`] | the pieces of a face |
 //! | [`point`] | the gap at a point and its derivatives |
-//! | [`kinks`] | what borders between pieces add to second derivatives |
-//! | [`bends`] | second derivatives of a face |
+//! | `kinks` | what borders between pieces add to second derivatives |
+//! | `bends` | second derivatives of a face |
 //! | [`pair`] | gaps of two surfaces, where they are |
 //! | [`sides`] | both sides of a contact |
-//! | [`sums`] | gaps, coupling and curvature by unknowns |
+//! | `sums` | gaps, coupling and curvature by unknowns |
 //! | [`probing`] | what is told of points |
 
 mod bends;
