@@ -25,9 +25,14 @@ fn a_thin_wall_that_is_pressed_flat_never_meets_its_own_back() {
     };
     let [alone, with] = [Vec::new(), of_itself("skin")].map(pressed);
     let contact = &with.contacts["pair"];
-    assert_eq!(contact.force, [0.0; 3]);
-    assert_eq!(contact.peak_pressure, 0.0);
-    assert_eq!(contact.contact_width, 0.0);
+    let told = contact
+        .force
+        .iter()
+        .chain([&contact.peak_pressure, &contact.contact_width]);
+    assert!(
+        told.into_iter().all(|value| value.abs() < f64::EPSILON),
+        "{contact:?}"
+    );
     assert!(close(with.strain_energy, alone.strain_energy, 1e-9));
 }
 

@@ -72,8 +72,10 @@ async fn of_scene(
     }
     let text = if arguments.json {
         let mut object = object(fit, &[]);
-        object["points"] = curves.points.len().into();
-        object["solves"] = through.solves.into();
+        if let Some(keys) = object.as_object_mut() {
+            keys.insert("points".to_owned(), curves.points.len().into());
+            keys.insert("solves".to_owned(), through.solves.into());
+        }
         format!("{object}\n")
     } else {
         through::table(&through, &curves) + &snippet(law, &fit.model)

@@ -71,6 +71,9 @@ fn rays_look_inwards_by_half_the_wall_where_that_is_now() {
             assert!((depth - 0.5 * wall).abs() < 1e-12, "{at:?} {depth} {wall}");
         }
         let least = fold.inside((bottom, nodes), &place, 0.01);
-        assert_eq!(least, [0.01; 2]);
+        assert!(
+            least.iter().all(|one| (one - 0.01).abs() < 1e-15),
+            "{least:?}"
+        );
     }
 }
