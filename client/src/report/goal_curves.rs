@@ -12,7 +12,14 @@ use super::test_curves::delimiter;
 /// Most rows.
 const MOST: usize = 100_000;
 /// Words that goals begin with.
-const KINDS: [&str; 4] = ["force.", "moment.", "reaction.", "displacement."];
+const KINDS: [&str; 6] = [
+    "force.",
+    "moment.",
+    "reaction.",
+    "displacement.",
+    "max_pressure.",
+    "strain_energy",
+];
 
 /// A measured value.
 #[derive(Clone, Copy, Debug, PartialEq)]

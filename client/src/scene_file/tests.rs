@@ -399,7 +399,7 @@ fn every_key_of_the_contract_reaches_the_message() {
     assert_eq!(solver.error_estimate, "off");
     assert_eq!(scene.probes[0].point, [0.0, 1.0, 2.0]);
     let output = scene.output.unwrap();
-    assert_eq!((output.fields, output.every), ((1..=16).collect(), Some(2)));
+    assert_eq!((output.fields, output.every), ((1..=17).collect(), Some(2)));
 }
 
 #[test]
