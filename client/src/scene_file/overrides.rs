@@ -52,9 +52,7 @@ impl Override {
     /// # Errors
     /// What is wrong with the path.
     pub fn new(path: &str, value: Value) -> Result<Self, String> {
-        // Messages name an element `step[0]`.
-        let path = path.replace('[', ".").replace(']', "");
-        let path: Vec<String> = path.split('.').map(|part| part.trim().to_owned()).collect();
+        let path = parts(path);
         if path.iter().any(String::is_empty) {
             return Err("the path has an empty part".to_owned());
         }
@@ -84,6 +82,24 @@ impl Override {
         }
         self
     }
+}
+
+/// The parts of a path: between dots, a part in quotation marks as a whole, an element as `step.0` or, as messages
+/// name it, `step[0]`.
+fn parts(path: &str) -> Vec<String> {
+    let mut all = vec![String::new()];
+    let mut is_quoted = false;
+    for character in path.chars() {
+        let last = all.last_mut();
+        match (character, last) {
+            ('"', _) => is_quoted = !is_quoted,
+            ('.' | '[', _) if !is_quoted => all.push(String::new()),
+            (']', _) if !is_quoted => {}
+            (other, Some(last)) => last.push(other),
+            (_, None) => {}
+        }
+    }
+    all.iter().map(|part| part.trim().to_owned()).collect()
 }
 
 impl Override {

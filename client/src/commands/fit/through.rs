@@ -79,6 +79,11 @@ impl Trial<'_> {
         let (mut best, mut least) = (Vec::new(), f64::INFINITY);
         loop {
             let modelled = self.solved(client, &search.trial()).await?;
+            if modelled.is_none() && search.trials() == 0 {
+                let message =
+                    "the steps do not converge with the constants of the scene: begin from others";
+                return Err(Failure::new(Exit::NotConverged, message));
+            }
             let error = modelled.as_ref().map(|modelled| self.error(modelled));
             let told = error.map_or_else(
                 || "the steps do not converge".to_owned(),
@@ -124,7 +129,7 @@ impl Trial<'_> {
     ) -> Result<Option<Modelled>, Failure> {
         let mut arguments = self.arguments.clone();
         for (key, values) in keys(model) {
-            let path = format!("material.{}.{key}", self.law.group);
+            let path = format!("material.\"{}\".{key}", self.law.group);
             let value = match (&values[..], super::is_list(model)) {
                 ([value], false) => toml::Value::Float(*value),
                 (values, _) => {

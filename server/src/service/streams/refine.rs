@@ -2,6 +2,7 @@
 //! and where the server shuts down.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use signorini::adapted::Adapted;
 use signorini::report::CancelToken;
@@ -18,6 +19,9 @@ use crate::registry::Registry;
 use crate::registry::refining::{Asker, Told, begin, kept, planned};
 use crate::session::Services;
 use crate::uploads::store::Reservation;
+
+/// How often a call without news looks whether the server shuts down.
+const LOOK: Duration = Duration::from_millis(500);
 
 /// Serves a call in the background.
 pub(crate) fn open(
@@ -76,15 +80,17 @@ async fn follow(
     (sender, cancel): (&Sender<wire::RefineMeshResponse>, &CancelToken),
 ) -> Result<Option<(Box<Adapted>, Reservation)>, Fault> {
     let heartbeat = registry.pace().heartbeat;
+    let mut silent = Duration::ZERO;
     loop {
         let next = tokio::select! {
-            next = tokio::time::timeout(heartbeat, told.recv()) => next,
+            next = tokio::time::timeout(LOOK, told.recv()) => next,
             () = sender.closed() => return Ok(None),
         };
         match next {
             Ok(Some(Told::Round(round))) => {
                 let round = refinement::round(&round);
                 send(registry, sender, Some(Part::Round(round))).await?;
+                silent = Duration::ZERO;
             }
             Ok(Some(Told::Ended(Ok(outcome)))) => return outcome.map(Some),
             Ok(Some(Told::Ended(Err(panicked)))) => {
@@ -97,7 +103,11 @@ async fn follow(
                     cancel.cancel();
                     return Err(fault);
                 }
-                send(registry, sender, None).await?;
+                silent += LOOK;
+                if silent >= heartbeat {
+                    send(registry, sender, None).await?;
+                    silent = Duration::ZERO;
+                }
             }
         }
     }

@@ -14,9 +14,10 @@ const SOLVE: &str = "/signorini.v1.SessionService/Solve";
 const REFLECTION: &str = "/grpc.reflection.v1.ServerReflection/ServerReflectionInfo";
 
 /// Methods that change something; a reader may call all others.
-const CHANGING: [&str; 11] = [
+const CHANGING: [&str; 12] = [
     "UploadMesh",
     "DeleteMesh",
+    "RefineMesh",
     "UploadSurface",
     "DeleteSurface",
     "CreateSession",
