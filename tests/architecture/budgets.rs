@@ -37,7 +37,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("proximity", 571, 15),
     ("refinement", 1330, 1),
     ("report", 1050, 3),
-    ("results", 3142, 24),
+    ("results", 3231, 25),
     ("saddle", 1153, 5),
     ("scene", 5550, 28),
     ("session", 2300, 11),

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod begun_apart;
 mod box_of_two;
 mod boxes;
 mod cylinders;
