@@ -1,7 +1,9 @@
 //! Which parts of a face meet which faces of the other surface.
 //!
-//! Ends of the pieces are where the rays of the face pass vertices of the other surface, roots of
-//! cubics. Between two of them the partner is that of the ray in the middle: the nearest face that it
+//! Ends of the pieces are where the rays of the face pass vertices of the other surface, and where it
+//! stops going on beyond its ends and corners: roots of cubics. They count within the reach along the
+//! ray, and at any distance those of faces that are met, or of the same body: what else is among the
+//! candidates of another body changes nothing. Between two of them the partner is that of the ray in the middle: the nearest face that it
 //! meets from outside, within the reach. The choice is by values alone; derivatives are taken with the
 //! topology as it is. Cost: one cubic a vertex and one ray a part and face among the candidates.
 
@@ -57,12 +59,29 @@ pub struct Reach {
     pub inside: [f64; 2],
 }
 
+impl Reach {
+    /// Whether a gap at `s` is within.
+    fn holds(self, s: f64, gap: f64) -> bool {
+        let [first, last] = self.inside;
+        gap <= WIDE * self.open && -gap <= first + s * (last - first)
+    }
+}
+
 /// An end of a partner's part as rays of the face see it.
 #[derive(Clone, Copy, Debug)]
 struct Break {
     s: f64,
     partner: usize,
     r: f64,
+}
+
+/// A part of the face with its partner, before it is known what its ends are.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    partner: usize,
+    part: [f64; 2],
+    /// The least one in the middle of its parts.
+    gap: f64,
 }
 
 /// The pieces of a face among `partners`, with the numbers of these, ascending along the face.
@@ -72,38 +91,37 @@ pub(super) fn pieces(
     partners: &[Partner],
     reach: Reach,
 ) -> Vec<(usize, Piece)> {
-    let breaks = breaks(face, partners);
-    let mut places: Vec<f64> = breaks.iter().map(|one| one.s).collect();
-    places.extend([0.0, 1.0]);
-    places.sort_by(f64::total_cmp);
-    let mut runs: Vec<(usize, [f64; 2])> = Vec::new();
-    let mut is_near = false;
-    for pair in places
-        .windows(2)
-        .filter(|pair| pair[1] - pair[0] > SHORTEST)
-    {
-        let middle = 0.5 * (pair[0] + pair[1]);
-        let Some((partner, gap)) = nearest(face, middle, partners, reach) else {
-            continue;
-        };
-        is_near |= gap <= reach.open;
-        match runs.last_mut() {
-            // A vertex of another part that the rays pass on their way.
-            Some((same, run)) if *same == partner && pair[0] - run[1] <= SHORTEST => {
-                run[1] = pair[1]
-            }
-            _ => runs.push((partner, [pair[0], pair[1]])),
+    let counts = |one: &Break| {
+        let other = &partners[one.partner];
+        let gap = gap_at(face, one.s, point(other.nodes, one.r));
+        other.role != Role::Apart || reach.holds(one.s, gap)
+    };
+    let (mut breaks, mut far): (Vec<Break>, Vec<Break>) =
+        breaks(face, partners).into_iter().partition(counts);
+    let runs = loop {
+        let runs = runs(face, &breaks, partners, reach);
+        let is_met = |one: &Break| runs.iter().any(|run| run.partner == one.partner);
+        let (met, rest): (Vec<Break>, Vec<Break>) = far.into_iter().partition(is_met);
+        if met.is_empty() {
+            break runs;
         }
-    }
-    if !is_near {
+        breaks.extend(met);
+        far = rest;
+    };
+    if runs.iter().all(|run| run.gap > reach.open) {
         return Vec::new();
     }
-    let piece = |(k, (partner, run)): (usize, (usize, [f64; 2]))| {
+    let piece = |(
+        k,
+        Run {
+            partner, part: run, ..
+        },
+    ): (usize, Run)| {
         let goes_on = [k.checked_sub(1).map(|k| runs[k]), runs.get(k + 1).copied()];
         let goes_on = [0, 1].map(|side: usize| {
             let next =
-                goes_on[side].filter(|next| (next.1[1 - side] - run[side]).abs() <= SHORTEST);
-            next.is_some_and(|next| are_joined(&partners[partner], &partners[next.0]))
+                goes_on[side].filter(|next| (next.part[1 - side] - run[side]).abs() <= SHORTEST);
+            next.is_some_and(|next| are_joined(&partners[partner], &partners[next.partner]))
         });
         let is_apart = partners[partner].role == Role::Apart;
         let ends = [0, 1].map(|side: usize| {
@@ -119,6 +137,35 @@ pub(super) fn pieces(
         (partner, Piece { beside, ends })
     };
     runs.iter().copied().enumerate().map(piece).collect()
+}
+
+/// The partners between `breaks`, ascending.
+fn runs(face: &Face<f64>, breaks: &[Break], partners: &[Partner], reach: Reach) -> Vec<Run> {
+    let mut places: Vec<f64> = breaks.iter().map(|one| one.s).collect();
+    places.extend([0.0, 1.0]);
+    places.sort_by(f64::total_cmp);
+    let mut runs: Vec<Run> = Vec::new();
+    for pair in places
+        .windows(2)
+        .filter(|pair| pair[1] - pair[0] > SHORTEST)
+    {
+        let middle = 0.5 * (pair[0] + pair[1]);
+        let Some((partner, gap)) = nearest(face, middle, partners, reach) else {
+            continue;
+        };
+        match runs.last_mut() {
+            // A vertex of another part that the rays pass on their way.
+            Some(run) if run.partner == partner && pair[0] - run.part[1] <= SHORTEST => {
+                run.part[1] = pair[1];
+                run.gap = run.gap.min(gap);
+            }
+            _ => {
+                let part = [pair[0], pair[1]];
+                runs.push(Run { partner, part, gap });
+            }
+        }
+    }
+    runs
 }
 
 /// Whether a face is as far from a partner at `s` that contact there is not near.
@@ -151,11 +198,16 @@ fn end(s: f64, partner: usize, breaks: &[Break]) -> End {
     }
 }
 
-/// Where the rays of the face pass the ends of all partners.
+/// Where the rays of the face pass the ends of all partners, and of another body those of what goes on
+/// beyond them: at a corner the lines of both its faces cross.
 fn breaks(face: &Face<f64>, partners: &[Partner]) -> Vec<Break> {
     let mut breaks = Vec::new();
     for (partner, other) in partners.iter().enumerate() {
-        for r in other.range {
+        let [from, to] = other.range;
+        let is_apart = other.role == Role::Apart;
+        let corners = [from.max(0.0), to.min(1.0)].into_iter();
+        let corners = corners.filter(|r| is_apart && !other.range.contains(r));
+        for r in other.range.into_iter().chain(corners) {
             let v = point(other.nodes, r);
             let roots = roots(cubic(face, v)).into_iter();
             breaks.extend(roots.map(|s| Break { s, partner, r }));
@@ -223,16 +275,13 @@ fn root(k: [f64; 4], [mut low, mut high]: [f64; 2]) -> Option<f64> {
 
 /// The nearest partner that the ray from `s` meets from outside, and its gap.
 fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Option<(usize, f64)> {
-    let [first, last] = reach.inside;
-    let inside = first + s * (last - first);
     let mut best: Option<(usize, f64, f64)> = None;
     for (index, partner) in partners.iter().enumerate() {
         let Some(gap) = gap_to(face, s, partner) else {
             continue;
         };
         let far = gap.abs() + beyond(face, s, partner);
-        let is_near = gap <= WIDE * reach.open && -gap <= inside;
-        if is_near && best.is_none_or(|(_, _, least)| far < least) {
+        if reach.holds(s, gap) && best.is_none_or(|(_, _, least)| far < least) {
             best = Some((index, gap, far));
         }
     }
@@ -285,6 +334,12 @@ fn is_behind(face: &Face<f64>, s: f64, (other, gap): (&Partner, f64)) -> bool {
     let distance = face.gap(s, other.nodes, r) * dot(n, n).sqrt();
     let is_between = distance > 0.0 && distance < gap;
     is_between && (0.0..=1.0).contains(&r) && gap_to(face, s, other).is_none()
+}
+
+/// Distance from a point of the face to `y` on the ray from there, negative inside.
+fn gap_at(face: &Face<f64>, s: f64, y: [f64; 2]) -> f64 {
+    let n = to_the_right(face.tangent(s)[0]);
+    dot(n, minus(y, point(face.nodes, s))) / dot(n, n).sqrt()
 }
 
 /// Distance from a point of the face to a partner along the ray there, negative inside; none where

@@ -22,7 +22,7 @@ fn area(chain: &Chain, places: &[[f64; 2]]) -> f64 {
     faces.sum()
 }
 
-fn volume(bodies: &Bodies) -> f64 {
+pub(super) fn volume(bodies: &Bodies) -> f64 {
     -area(&bodies.pair.other, &bodies.places) - area(&bodies.pair.carrier, &bodies.places)
 }
 

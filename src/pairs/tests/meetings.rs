@@ -2,7 +2,59 @@
 
 use super::super::choice::{Partner, Reach, Role, pieces};
 use super::super::piece::Face;
+use super::gaps::volume;
 use super::*;
+
+/// A core in a ring of `count` straight faces with a corner at every vertex.
+fn cornered(core: usize, count: usize) -> Bodies {
+    let mut bodies = rings(core, count);
+    for face in &mut bodies.pair.other.faces {
+        face.beside = [None, None];
+        bodies.places[face.nodes[2] as usize] = [0.0; 2];
+    }
+    for vertex in bodies.pair.other.faces.iter().map(|face| face.nodes[0]) {
+        bodies.places[vertex as usize] = bodies.places[vertex as usize].map(|x| 1.2 * x);
+    }
+    bodies
+}
+
+/// The same turned as a whole.
+fn turned_by(mut bodies: Bodies, angle: f64) -> Bodies {
+    let (sine, cosine) = angle.sin_cos();
+    for place in &mut bodies.places {
+        let [x, y] = *place;
+        *place = [cosine * x - sine * y, sine * x + cosine * y];
+    }
+    bodies
+}
+
+#[test]
+fn between_faces_with_corners_the_gap_is_that_of_the_geometry_alone() {
+    for (core, count) in [(40, 11), (11, 7), (5, 11)] {
+        let bodies = cornered(core, count);
+        let exact = bodies.gaps();
+        for angle in [0.3, 0.8, 2.0] {
+            let turned = turned_by(bodies.clone(), angle).gaps();
+            let pairs = turned.as_flattened().iter().zip(exact.as_flattened());
+            let miss = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(miss < 1e-13, "{core} {count} {angle} {miss:e}");
+        }
+    }
+}
+
+#[test]
+fn gaps_add_up_to_the_area_between_a_core_and_a_ring_with_corners() {
+    for (core, count) in [(40, 11), (41, 7), (60, 9)] {
+        let bodies = cornered(core, count);
+        let sum: f64 = bodies.gaps().iter().flatten().sum();
+        let exact = volume(&bodies);
+        let error = sum - exact;
+        assert!(
+            exact > 0.1 && error.abs() < 1e-13,
+            "{core} {count} {error:e}"
+        );
+    }
+}
 
 #[test]
 fn the_tree_finds_the_partners_that_a_look_at_all_faces_finds() {
@@ -10,6 +62,9 @@ fn the_tree_finds_the_partners_that_a_look_at_all_faces_finds() {
         rings(30, 23),
         lines([5, 17], 0.05, 0.02),
         lines([17, 3], -0.02, 0.01),
+        cornered(40, 11),
+        cornered(11, 7),
+        cornered(5, 11),
     ] {
         let all: Vec<Partner> = (bodies.pair.other.faces.iter())
             .map(|face| Partner {

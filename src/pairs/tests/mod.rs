@@ -14,6 +14,7 @@ mod meetings;
 mod slips;
 
 /// Two surfaces with the places of their nodes: vertices, then edges by their bulges.
+#[derive(Clone)]
 struct Bodies {
     pair: Pair,
     places: Vec<[f64; 2]>,

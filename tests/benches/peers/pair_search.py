@@ -5,9 +5,10 @@ Rules (src/pairs, decision 67), found here by looking at everything:
 * bodies lie to the left of their faces; faces that turn by at most 30 degrees at a common vertex share its normal;
 * an end that supports hold in one component, about along the face, has the normal of that wall, of a carrier;
 * the other surface goes on beyond its ends and corners by 0.3 of the last face;
-* pieces end where a ray passes an end of a face of the other surface; the partner is the nearest one on the ray from
-  the middle, met at a cosine of at least 0.2, at most a quarter of the extent of the smaller surface inside and twice
-  that open; faces of which no piece is within once that have none.
+* pieces end where a ray passes an end of a face of the other surface, or where one stops going on, within reach
+  along the ray, or of a face that is met; the partner is the nearest one on the ray from the middle, met at a cosine
+  of at least 0.2, at most a quarter of the extent of the smaller surface inside and twice that open; faces of which
+  no piece is within once that have none.
 """
 import itertools
 from dataclasses import dataclass
@@ -117,21 +118,43 @@ class Meetings:
 
     def of_face(self, face):
         """(face, partner, ends, opposite places) along a face."""
-        breaks = self.breaks(face)
+        all_breaks = self.breaks(face)
+        near = {one for one in all_breaks if self.holds(self.distance(face, *one))}
+        met = set()
+        while True:
+            breaks = [one for one in all_breaks if one in near or one[1] in met]
+            runs = self.runs(face, breaks)
+            found = {run[0] for run in runs}
+            if found <= met:
+                break
+            met |= found
+        for partner, *ends, _ in runs if any(run[-1] <= self.reach for run in runs) else []:
+            places = [self.opposite(s, partner, breaks) for s in ends]
+            yield face, partner, [s for s, _ in places], [r for _, r in places]
+
+    def runs(self, face, breaks):
+        """[partner, first, last, least gap] between breaks."""
         marks = np.unique([0.0, 1.0, *(s for s, _, _ in breaks)])
         spans = [(a, b) for a, b in itertools.pairwise(marks) if b - a > SHORTEST]
-        runs, is_near = [], False
+        runs = []
         for (first, last), (partner, gap) in zip(spans, self.nearest(face, np.array(spans).mean(axis=1))):
             if partner < 0:
                 continue
-            is_near |= gap <= self.reach
             if runs and runs[-1][0] == partner and first - runs[-1][2] <= SHORTEST:
-                runs[-1][2] = last
+                runs[-1][2:] = last, min(runs[-1][3], gap)
             else:
-                runs.append([partner, first, last])
-        for partner, *ends in runs if is_near else []:
-            places = [self.opposite(s, partner, breaks) for s in ends]
-            yield face, partner, [s for s, _ in places], [r for _, r in places]
+                runs.append([partner, first, last, gap])
+        return runs
+
+    def holds(self, gap):
+        return (gap <= WIDE * self.reach) & (-gap <= self.reach)
+
+    def distance(self, face, s, partner, r):
+        """Along the ray from s to the place r of a partner."""
+        x, y = point(np.stack([self.own[face], self.partners[partner]]), np.array([s, r]))
+        t0, t1 = self.tangents[face]
+        n = right(t0 + s * (t1 - t0))
+        return n @ (y - x) / np.linalg.norm(n)
 
     def opposite(self, s, partner, breaks):
         """An end with the place of the partner that it is opposite to."""
@@ -146,7 +169,8 @@ class Meetings:
         t0, t1 = self.tangents[face]
         line = [a, 4 * m - 3 * a - b, 2 * a + 2 * b - 4 * m]
         found = []
-        ends = point(self.partners, self.ranges)
+        places = np.concatenate([self.ranges, np.clip(self.ranges, 0.0, 1.0)], axis=1)
+        ends = point(self.partners, places)
         zero = (a - ends) @ t0
         one = line[1] @ t0 + (a - ends) @ (t1 - t0)
         two, three = line[2] @ t0 + line[1] @ (t1 - t0), line[2] @ (t1 - t0)
@@ -160,7 +184,7 @@ class Meetings:
                 for _ in range(2):
                     s = s - np.polyval(k, s) / np.polyval(np.polyder(k), s)
                 if 0.0 < s < 1.0:
-                    found.append((float(s), int(partner), float(self.ranges[partner, end])))
+                    found.append((float(s), int(partner), float(places[partner, end])))
         return found
 
     def nearest(self, face, s):
@@ -180,7 +204,7 @@ class Meetings:
             gap = np.einsum("ki,kpi->kp", n, y - x[:, None]) / size[:, None]
             cosine = cross(n[:, None], along) / (size[:, None] * np.linalg.norm(along, axis=2))
             fits = (r >= self.ranges[:, 0] - MISSED) & (r <= self.ranges[:, 1] + MISSED) & (cosine <= -GRAZING)
-            fits &= (gap <= WIDE * self.reach) & (-gap <= self.reach)
+            fits &= self.holds(gap)
         away = np.where(fits, np.abs(gap), np.inf)
         best = away.argmin(axis=1)
         row = np.arange(len(s))
