@@ -55,6 +55,30 @@ fn mean(a: Term, b: Term, vertices: usize) -> f64 {
         + a.slope * b.slope * square
 }
 
+impl NodeCouplings {
+    /// Adds `shift` times the mass of each cell, weighted by its shear modulus and spread evenly over
+    /// its nodes, for bodies whose supports leave rigid modes.
+    pub fn add_mass(
+        &mut self,
+        shift: f64,
+        (mesh, space): (&Mesh, &TaylorHood),
+        geometry: &CellGeometry,
+        moduli: &CellModuli,
+    ) {
+        for cell in 0..geometry.cells() {
+            let nodes = nodes_of(mesh, space, cell);
+            let share = shift * moduli.shear[cell] * geometry.volumes[cell] / nodes.len() as f64;
+            for &node in nodes.iter() {
+                let block = &mut self.diagonal[node as usize];
+                block
+                    .iter_mut()
+                    .enumerate()
+                    .for_each(|(i, row)| row[i] += share);
+            }
+        }
+    }
+}
+
 /// Assembles all blocks.
 pub fn node_couplings(
     mesh: &Mesh,

@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use super::bodies::DisplacementBody;
+use super::p1;
 use crate::assembly::grid::Basis;
 use crate::assembly::node_couplings::node_couplings;
 use crate::assembly::p1_stiffness::{RIGID, project_couplings};
@@ -137,6 +138,11 @@ fn lines_around(
     inner: Arc<dyn Preconditioner>,
 ) -> Option<AlongLines> {
     let mut couplings = node_couplings(body.mesh, body.space, body.geometry, body.moduli);
+    let shift = p1::shift(plan);
+    if shift > 0.0 {
+        // A group may be a whole part of the body, whose rigid modes nothing else resists.
+        couplings.add_mass(shift, (body.mesh, body.space), body.geometry, body.moduli);
+    }
     let pairs = (&couplings.pairs[..], &mut couplings.off[..]);
     project_couplings(body.held, &mut couplings.diagonal, pairs, RIGID);
     let scale = plan.problem.units.coordinate_scale;

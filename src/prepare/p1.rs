@@ -31,6 +31,15 @@ const SHIFT: f64 = 1e-2;
 /// bush in tubes 1e5 times as stiff.
 const SHIFT_OF_TIED: f64 = 1.0;
 
+/// What resists free rigid modes in inverses of the body; zero where none is free.
+pub(super) fn shift(plan: &Plan) -> f64 {
+    match (plan.is_floating(), plan.is_shifted()) {
+        (true, _) => SHIFT,
+        (false, true) => SHIFT_OF_TIED,
+        (false, false) => 0.0,
+    }
+}
+
 /// A solver of the P1 block and what came with it.
 pub(crate) struct P1Built {
     pub(crate) solver: Arc<dyn Preconditioner>,
@@ -76,18 +85,13 @@ pub(crate) fn build(
     cancel: &CancelToken,
 ) -> Result<P1Built, PrepareError> {
     let start = Instant::now();
-    let shift = match (plan.is_floating(), plan.is_shifted()) {
-        (true, _) => SHIFT,
-        (false, true) => SHIFT_OF_TIED,
-        (false, false) => 0.0,
-    };
     let cells = StiffCells {
         mesh: body.mesh,
         space: body.space,
         geometry: body.geometry,
         stiffness: body.stiffness,
     };
-    let mut blocks = cells.p1_blocks(shift);
+    let mut blocks = cells.p1_blocks(shift(plan));
     let edges = (&body.space.edges[..], &mut blocks.off[..]);
     project_couplings(body.held, &mut blocks.diagonal, edges, 1.0);
     let assemble = start.elapsed().as_secs_f64();
