@@ -11,6 +11,17 @@ pub fn axis_of_travel(scene: &v1::Scene, obstacle: &str) -> Option<usize> {
     axes.all(|axis| axis == first).then_some(first)
 }
 
+/// A goal with its axis: of the force of an obstacle without one, such as `force.lid`, that along its motion; none
+/// where there is no single one. Other goals stay as they are.
+pub fn with_axis(scene: &v1::Scene, goal: &str) -> Option<String> {
+    let name = goal.strip_prefix("force.").unwrap_or_default();
+    if !scene.obstacles.iter().any(|one| one.name == name) {
+        return Some(goal.to_owned());
+    }
+    let axis = ["x", "y", "z"].get(axis_of_travel(scene, name)?)?;
+    Some(format!("{goal}.{axis}"))
+}
+
 /// Axes along which a target moves or pushes.
 fn axes(target: &v1::ObstacleTarget) -> impl Iterator<Item = usize> + use<> {
     let force = target.force.unwrap_or_default();
@@ -58,5 +69,19 @@ mod tests {
         };
         pushed.steps[0].obstacles[0].force = Some(force);
         assert_eq!(axis_of_travel(&pushed, "lid"), None);
+        pushed.obstacles.push(v1::Obstacle {
+            name: "lid".to_owned(),
+            ..Default::default()
+        });
+        assert_eq!(with_axis(&pushed, "force.lid"), None);
+        assert_eq!(
+            with_axis(&pushed, "force.lid.y").as_deref(),
+            Some("force.lid.y")
+        );
+        pushed.steps[0].obstacles[0].force = None;
+        assert_eq!(
+            with_axis(&pushed, "force.lid").as_deref(),
+            Some("force.lid.y")
+        );
     }
 }

@@ -17,13 +17,13 @@ use crate::scene::validate::isochoric;
 
 /// Most trials; chosen, fits take 5 to 10.
 const TRIALS: u32 = 40;
-/// Change of all constants, over their sizes, at which they are found: below what measurements tell; chosen.
+/// Change of all constants, over their sizes, at which they are found, without unit: below what measurements tell; chosen.
 const FOUND: f64 = 1e-7;
-/// Damping at first, and above which there is no lower sum.
+/// Damping at first, and above which there is no lower sum, without unit; chosen.
 const DAMPING: [f64; 2] = [1e-3, 1e6];
-/// Part of the sum below which it falls by rounding alone.
+/// Sum a value below which it falls by rounding alone, the square of 1e-7, without unit; chosen.
 const ROUNDING: f64 = 1e-14;
-/// Stretch less one by which the shear modulus of a law is taken.
+/// Stretch less one by which the shear modulus of a law is taken, to 1e-6 of itself; chosen.
 const SMALL: f64 = 1e-6;
 
 /// A value that was measured.

@@ -12,8 +12,8 @@ use crate::assembly::load::facet_measure;
 use crate::geometry::vector3::dot;
 use crate::mesh::Mesh;
 
-/// Least cosine between normals of one patch's neighbours: 30 degrees.
-pub(super) const SMOOTH: f64 = 0.866;
+/// Least cosine between normals of neighbours on one smooth surface: 30 degrees, without unit; chosen.
+pub const SMOOTH: f64 = 0.866;
 
 /// `facet` of the boundary with its vertices in the order that turns its normal out of
 /// the body.

@@ -8,7 +8,7 @@ use crate::model::state::State;
 use crate::saddle::{AdmissibleSet, Status};
 
 /// Pressure over the largest one, and gap over the widest one, of a contact at its border; the same of tractions and
-/// slips.
+/// slips. Without unit; chosen: far above rounding, far below what a change of contact makes.
 const BORDER: f64 = 1e-6;
 
 /// Contacts of obstacles that are closed without pressure, or open without a gap, and points that

@@ -21,7 +21,8 @@ use crate::scene::validate::laws;
 /// Step of a material's constant, over its size.
 const OF_CONSTANTS: f64 = 1e-4;
 /// Step of a length over that of the body, and of an angle: as short as rounding lets it be, since points of
-/// contact that cross a jump of curvature on the way, where an edge is rounded, see both sides of it.
+/// contact that cross a jump of curvature on the way, where an edge is rounded, see both sides of it. Without unit; at 1e-4 a rounded box had
+/// derivatives 3 % off (measured against differences of whole solves), at 1e-6 they agree to five digits.
 const OF_LENGTHS: f64 = 1e-6;
 
 /// A parameter found in the scene.

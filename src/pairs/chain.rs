@@ -11,12 +11,11 @@
 use std::collections::BTreeMap;
 
 use super::piece::{Beside, dot, slope};
+use crate::contact::patches::SMOOTH;
 use crate::contact::patches::outward;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
-/// Least cosine between the tangents of faces that share a normal: 30 degrees.
-pub(super) const SMOOTH: f64 = 0.866;
 /// Share of a face by which a surface goes on beyond its end.
 const BEYOND: f64 = 0.3;
 

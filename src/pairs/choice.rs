@@ -21,7 +21,7 @@ const GRAZING: f64 = 0.2;
 /// ended in the middle of a face where the gap is wide would grow and shrink with vertices that pass,
 /// and programs would see a gap close that is far open.
 pub(super) const WIDE: f64 = 2.0;
-/// Gap over the length of a face from which on it is open; chosen.
+/// Gap over the length of a face from which on it is open, without unit; chosen.
 const OPEN: f64 = 0.1;
 /// Share of the way to where neighbouring rays meet up to which they count.
 const SIDE_BY_SIDE: f64 = 0.5;

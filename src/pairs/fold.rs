@@ -16,10 +16,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::chain::{Chain, ChainFace, PlaceOf, SMOOTH, by_vertex, turn};
+use super::chain::{Chain, ChainFace, PlaceOf, by_vertex, turn};
 use super::choice::Role;
 use super::piece::{cross, dot, minus, point};
 use super::tree::{Bounds, BoxTree};
+use crate::contact::patches::SMOOTH;
 use crate::contact::patches::outward;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;

@@ -23,7 +23,7 @@ use crate::ties::{Lost, Seam, Sides, layout_of};
 /// place of curved surfaces are not equally large.
 const UNSAID: [f64; 2] = [0.01, 0.1];
 /// Part of what is tied that may lie under functions tied by less than half, of the surface that carries: their
-/// neighbours take them over; chosen.
+/// neighbours take them over. Without unit; chosen: of a block of .3 on facets of .5 nothing was carried at all.
 const SHORT: f64 = 0.25;
 /// Pairs of vertices that are looked at, at most, to say how far surfaces are apart; chosen.
 const MOST_LOOKED_AT: usize = 10_000_000;

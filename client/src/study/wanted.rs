@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use signorini_proto::travel::axis_of_travel;
+use signorini_proto::travel::with_axis;
 use signorini_proto::v1;
 
 use crate::library::result_line;
@@ -121,20 +121,11 @@ fn goals(scene: &v1::Scene) -> BTreeMap<String, v1::GoalResult> {
     }
     let bounded = scene.accuracy.iter().flat_map(|accuracy| &accuracy.bound);
     let targets = scene.accuracy.iter().flat_map(|accuracy| &accuracy.targets);
-    let targets = targets.map(|target| with_axis(scene, &target.goal));
+    let targets = targets.filter_map(|target| with_axis(scene, &target.goal));
     for goal in bounded.cloned().chain(targets) {
         goals.entry(goal).or_default().bound = Some(v1::GoalBound::default());
     }
     goals
-}
-
-/// A goal with its axis, of a force without one that along the motion of its obstacle.
-fn with_axis(scene: &v1::Scene, goal: &str) -> String {
-    let name = goal.strip_prefix("force.").unwrap_or_default();
-    let is_whole = scene.obstacles.iter().any(|one| one.name == name);
-    let axis = is_whole.then(|| axis_of_travel(scene, name)).flatten();
-    let axis = axis.and_then(|axis| ["x", "y", "z"].get(axis));
-    axis.map_or_else(|| goal.to_owned(), |axis| format!("{goal}.{axis}"))
 }
 
 /// The line of a result that has all names of a scene and no numbers.

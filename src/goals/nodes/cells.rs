@@ -25,7 +25,7 @@ use crate::model::loads::simplices;
 use crate::model::state::State;
 use crate::model::values::{displacement_at, gradient_at, radius_at};
 
-/// Cells that are worth a thread.
+/// Cells that are worth a thread; chosen.
 const LEAST_CELLS: usize = 64;
 
 /// A law at the points of a cell.

@@ -10,13 +10,12 @@
 use std::collections::BTreeMap;
 
 use super::patch::{At, EDGES, NODES, Patch};
+use crate::contact::patches::SMOOTH;
 use crate::contact::patches::outward;
 use crate::geometry::vector3::{add, dot, norm, normalised, scale, sub};
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
-/// Least cosine between normals of faces that share them: 30 degrees.
-const SMOOTH: f64 = 0.866;
 /// Share of a face by which a surface goes on beyond its rim.
 const BEYOND: f64 = 0.3;
 /// Least 1 + cosine between the directions across two rims at their corner, which bounds how far it

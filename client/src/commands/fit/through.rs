@@ -10,7 +10,8 @@ use signorini_client::solve::{Attach, Event, Solve};
 use signorini_client::{Client, NewSession};
 use signorini_proto::v1;
 
-use super::{Law, keys};
+use super::Law;
+use super::laws::{is_list, keys};
 use crate::arguments::connection::Connection;
 use crate::arguments::{FitArguments, SceneArguments, input};
 use crate::report::curve_plot::{Plot, Series};
@@ -130,7 +131,7 @@ impl Trial<'_> {
         let mut arguments = self.arguments.clone();
         for (key, values) in keys(model) {
             let path = format!("material.\"{}\".{key}", self.law.group);
-            let value = match (&values[..], super::is_list(model)) {
+            let value = match (&values[..], is_list(model)) {
                 ([value], false) => toml::Value::Float(*value),
                 (values, _) => {
                     let all = values.iter().copied().map(toml::Value::Float);

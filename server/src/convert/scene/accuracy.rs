@@ -2,15 +2,13 @@
 
 use signorini::adapted::{Accuracy, AccuracyLimits, Target};
 use signorini::scene::Goal;
-use signorini_proto::travel::axis_of_travel;
+use signorini_proto::travel::with_axis;
 use signorini_proto::v1 as wire;
 
 use super::super::Faults;
 use super::MAXIMUM_GOALS;
 use super::questions::read;
 use crate::fault::Fault;
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Takes what is asked of the mesh out of a scene. Its goals get their axes and are bounded with
 /// every increment, so that the scene is one for a session on the refined mesh.
@@ -27,17 +25,17 @@ pub(crate) fn take_accuracy(scene: &mut wire::Scene) -> Result<Accuracy, Fault> 
     if asked.targets.is_empty() {
         faults.add("accuracy", "names no goal with a tolerance");
     }
-    let named = asked.targets.iter();
-    let named = named.map(|one| (with_axis(scene, &one.goal, &mut faults), one.tolerance));
-    let named: Vec<(String, f64)> = named.collect();
-    let targets = named
+    let targets = asked.targets.iter();
+    let goals = targets.map(|one| (named(scene, &one.goal, &mut faults), one.tolerance));
+    let goals: Vec<(String, f64)> = goals.collect();
+    let targets = goals
         .iter()
         .flat_map(|one| target(one, &mut faults))
         .collect();
     let limits = limits(&asked, &mut faults);
     faults.outcome()?;
     let mut bound = asked.bound;
-    for (goal, _) in named {
+    for (goal, _) in goals {
         if !bound.contains(&goal) {
             bound.push(goal);
         }
@@ -73,19 +71,14 @@ pub(super) fn of_session(accuracy: &wire::Accuracy, faults: &mut Faults) {
     }
 }
 
-/// A goal with its axis: of a force without one that along the motion of the obstacle.
-fn with_axis(scene: &wire::Scene, goal: &str, faults: &mut Faults) -> String {
-    let name = goal.strip_prefix("force.").unwrap_or_default();
-    if !scene.obstacles.iter().any(|one| one.name == name) {
-        return goal.to_owned();
-    }
-    let axis = axis_of_travel(scene, name).and_then(|axis| AXES.get(axis));
-    if axis.is_none() {
+/// A goal with its axis; a fault where the steps move its obstacle along none.
+fn named(scene: &wire::Scene, goal: &str, faults: &mut Faults) -> String {
+    with_axis(scene, goal).unwrap_or_else(|| {
         let message =
-            format!("the steps move {name} along no single axis: name one, such as {goal}.y");
+            format!("the steps move the obstacle along no single axis: name one, such as {goal}.y");
         faults.add(format!("accuracy.{goal}"), message);
-    }
-    format!("{goal}.{}", axis.unwrap_or(&"y"))
+        format!("{goal}.y")
+    })
 }
 
 fn target((text, tolerance): &(String, f64), faults: &mut Faults) -> Option<Target> {
