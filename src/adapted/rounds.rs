@@ -45,7 +45,8 @@ pub struct Watch<'a> {
 pub struct Adapted {
     /// The state at the end of the last step.
     pub session: Session,
-    /// The scene on refined meshes: surfaces that were asked to be smooth are those of the mesh.
+    /// The scene on refined meshes: surfaces that were asked to be smooth are those of the mesh. Its
+    /// questions are left out, also of the session: the loop asks its own, once a mesh.
     pub scene: Scene,
     /// The mesh, to be refined again.
     pub hierarchy: Hierarchy,
@@ -139,7 +140,8 @@ struct Left<'a> {
 /// All steps on the first mesh.
 fn first(problem: Problem<'_>, watch: &mut Watch<'_>) -> Result<Present, AdaptionError> {
     let started = Instant::now();
-    let plan = Arc::new(Plan::new(problem.scene, problem.steps, problem.mesh)?);
+    let scene = without_questions(problem.scene);
+    let plan = Arc::new(Plan::new(&scene, problem.steps, problem.mesh)?);
     if plan.has_friction() {
         return Err(GoalError::NeedsHistory("friction").into());
     }
@@ -156,7 +158,7 @@ fn first(problem: Problem<'_>, watch: &mut Watch<'_>) -> Result<Present, Adaptio
         }
     }
     Ok(Present {
-        scene: as_meshed(problem.scene),
+        scene: as_meshed(scene),
         hierarchy: Hierarchy::new(mesh),
         session,
         unknowns: unknowns(&plan),
@@ -165,9 +167,16 @@ fn first(problem: Problem<'_>, watch: &mut Watch<'_>) -> Result<Present, Adaptio
     })
 }
 
+/// The scene that asks nothing of its increments.
+fn without_questions(scene: &Scene) -> Scene {
+    Scene {
+        questions: Vec::new(),
+        ..scene.clone()
+    }
+}
+
 /// The scene where fitted arcs belong to the mesh.
-fn as_meshed(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
+fn as_meshed(mut scene: Scene) -> Scene {
     for obstacle in &mut scene.obstacles {
         obstacle.surface = SurfaceGeometry::AsMeshed;
     }

@@ -11,7 +11,7 @@ use signorini::adapted::{
     Accuracy, AccuracyLimits, Adapted, AdaptionError, End, Problem, Round, Target, Watch, adapt,
 };
 use signorini::report::Silent;
-use signorini::scene::{Probe, Shape, SurfaceGeometry};
+use signorini::scene::{GoalErrors, GoalQuestions, Probe, Shape, SurfaceGeometry};
 use signorini::{CancelToken, Mesh, Scene, Step};
 
 /// A block bonded below, under a ball off its middle.
@@ -220,6 +220,19 @@ fn limits_end_the_loop_with_their_word() {
         ..limits
     });
     assert_eq!((end.name(), rounds), ("max_memory", 1));
+}
+
+#[test]
+fn a_mesh_is_asked_once_whatever_the_scene_asks_of_its_increments() {
+    let mut problem = block(elastic(0.3), 0.03, 1);
+    problem.scene.questions = vec![GoalQuestions {
+        goals: vec![problem.goal.parse().expect("a goal")],
+        errors: GoalErrors::Bounded,
+        ..GoalQuestions::default()
+    }];
+    let adapted = problem.adapted(&mesh(square(4)), 0.02).expect("a result");
+    assert!(adapted.rounds.len() > 1);
+    assert!(adapted.session.plan().scene().questions.is_empty());
 }
 
 #[test]
