@@ -89,6 +89,12 @@ impl Results {
                 points: rows.iter().filter_map(|row| point(row)).collect(),
             });
         }
+        let refined = self.refined_of(family);
+        curves.extend(refined.into_iter().map(|strand| Curve {
+            label: format!("Signorini, {}", strand.label),
+            stroke: Stroke::Solid,
+            points: strand.rows.iter().filter_map(|row| point(row)).collect(),
+        }));
         for peers in self.peers_of(family) {
             curves.push(Curve {
                 label: peers
@@ -139,8 +145,8 @@ impl Results {
             }),
             footer: self.footer(
                 limit.map(|limit| {
-                    let finest = self.references.finest(family.name, quantity);
-                    limit_note(&limit, &finest)
+                    let origin = self.references.origin(family.name, quantity);
+                    limit_note(&limit, &origin)
                 }),
                 &self.peers_of(family),
             ),
@@ -220,14 +226,12 @@ impl Results {
     }
 }
 
-fn limit_note(limit: &Limit, finest: &str) -> String {
+fn limit_note(limit: &Limit, origin: &str) -> String {
     let (value, uncertainty) = (rounded(limit.value), limit.uncertainty);
     if limit.is_exact() {
         return format!("Error against the exact value {value}.");
     }
-    format!(
-        "Error against the limit {value} ± {uncertainty:.1e}, extrapolated from the meshes of the family (to {finest})."
-    )
+    format!("Error against the limit {value} ± {uncertainty:.1e}, {origin}.")
 }
 
 fn curve_label(row: &Row) -> String {

@@ -9,11 +9,28 @@ use crate::limit::{Limit, Sample, extrapolate};
 
 const TABLE: &str = include_str!("references.csv");
 
-/// One row of the table: the solution of the discrete problem on one mesh.
+/// One row of the table: the solution of the discrete problem on one mesh, or a limit.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
-    level: Level,
-    sample: Sample,
+enum Entry {
+    Mesh(Level, Sample),
+    /// Of a mesh that was refined by the quantity, with its bound.
+    Refined(Limit),
+}
+
+impl Entry {
+    fn mesh(&self) -> Option<(Level, Sample)> {
+        match self {
+            Self::Mesh(level, sample) => Some((*level, *sample)),
+            Self::Refined(_) => None,
+        }
+    }
+
+    fn refined(&self) -> Option<Limit> {
+        match self {
+            Self::Refined(limit) => Some(*limit),
+            Self::Mesh(..) => None,
+        }
+    }
 }
 
 /// The table by family and quantity, coarsest mesh first.
@@ -44,32 +61,43 @@ impl References {
 
     /// The limit of a quantity and its uncertainty.
     pub(crate) fn limit(&self, family: &str, quantity: Quantity) -> Option<Limit> {
-        let entries = self.entries.get(&(family.to_owned(), quantity))?;
-        let samples: Vec<_> = entries.iter().map(|entry| entry.sample).collect();
-        extrapolate(&samples)
+        let entries = self.of(family, quantity);
+        let meshes = entries.iter().filter_map(Entry::mesh);
+        let samples: Vec<_> = meshes.map(|(_, sample)| sample).collect();
+        let refined = entries.iter().find_map(Entry::refined);
+        refined.or_else(|| extrapolate(&samples))
+    }
+
+    fn of(&self, family: &str, quantity: Quantity) -> &[Entry] {
+        let entries = self.entries.get(&(family.to_owned(), quantity));
+        entries.map_or(&[], Vec::as_slice)
     }
 
     /// The size of a mesh where it is finest, length.
     pub(crate) fn size(&self, family: &str, level: Level) -> Option<f64> {
         let of_family = self.entries.iter().filter(|(key, _)| key.0 == family);
-        let mut entries = of_family.flat_map(|(_, entries)| entries);
-        let entry = entries.find(|entry| entry.level == level)?;
-        Some(entry.sample.h)
+        let mut meshes = of_family.flat_map(|(_, entries)| entries.iter().filter_map(Entry::mesh));
+        let (_, sample) = meshes.find(|(own, _)| *own == level)?;
+        Some(sample.h)
     }
 
-    /// The name of the finest mesh that a limit rests on; empty without one.
-    pub(crate) fn finest(&self, family: &str, quantity: Quantity) -> String {
-        let entries = self.entries.get(&(family.to_owned(), quantity));
-        let last = entries.and_then(|entries| entries.last());
-        last.map_or_else(String::new, |entry| entry.level.to_string())
+    /// What a limit rests on, for small print.
+    pub(crate) fn origin(&self, family: &str, quantity: Quantity) -> String {
+        let entries = self.of(family, quantity);
+        if entries.iter().any(|entry| entry.refined().is_some()) {
+            return "of a mesh that was refined by the quantity, with its bound".to_owned();
+        }
+        let finest = entries.iter().filter_map(Entry::mesh).next_back();
+        let finest = finest.map_or_else(String::new, |(level, _)| format!(" (to {level})"));
+        format!("extrapolated from the meshes of the family{finest}")
     }
 
     /// The relative error that the exact solution of the discrete problem has on
     /// a mesh, whoever solves it.
     pub(crate) fn error(&self, family: &str, quantity: Quantity, level: Level) -> Option<f64> {
-        let entries = self.entries.get(&(family.to_owned(), quantity))?;
-        let entry = entries.iter().find(|entry| entry.level == level)?;
-        self.relative(family, quantity, entry.sample.value)
+        let mut meshes = self.of(family, quantity).iter().filter_map(Entry::mesh);
+        let (_, sample) = meshes.find(|(own, _)| *own == level)?;
+        self.relative(family, quantity, sample.value)
     }
 
     /// The relative error of a value: an error norm is divided by that of the
@@ -85,12 +113,13 @@ impl References {
 fn entry(record: &csv::StringRecord) -> Option<((String, Quantity), Entry)> {
     let mut quantities = Quantity::ALL.into_iter();
     let quantity = quantities.find(|quantity| Some(quantity.name()) == record.get(3))?;
-    let entry = Entry {
-        level: record.get(1)?.parse().ok()?,
-        sample: Sample {
-            h: record.get(2)?.parse().ok()?,
-            value: record.get(4)?.parse().ok()?,
-        },
+    let value = record.get(4)?.parse().ok()?;
+    let entry = if record.get(1)? == "refined" {
+        let uncertainty = record.get(6)?.parse().ok()?;
+        Entry::Refined(Limit { value, uncertainty })
+    } else {
+        let h = record.get(2)?.parse().ok()?;
+        Entry::Mesh(record.get(1)?.parse().ok()?, Sample { h, value })
     };
     Some(((record.get(0)?.to_owned(), quantity), entry))
 }
@@ -125,6 +154,20 @@ mod tests {
         // Half of the compliance 2.2674 +- 0.0005 that other codes give.
         assert!((limit.value - 1.1337).abs() < 0.000_25, "{limit:?}");
         assert!(limit.relative() < 6e-4, "{limit:?}");
+    }
+
+    #[test]
+    fn the_limit_of_a_refined_mesh_is_its_value_with_its_bound_near_that_of_the_family() {
+        let references = References::shipped().unwrap();
+        for family in ["hertz-plane", "hertz-sphere"] {
+            let limit = references.limit(family, Quantity::Force).unwrap();
+            assert!(limit.relative() < 5e-4, "{limit:?}");
+            let meshes = references.of(family, Quantity::Force).iter();
+            let samples: Vec<_> = meshes.filter_map(Entry::mesh).map(|own| own.1).collect();
+            let of_family = extrapolate(&samples).unwrap();
+            let apart = (of_family.value - limit.value).abs();
+            assert!(apart < of_family.uncertainty, "{of_family:?} {limit:?}");
+        }
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! Rows of a study, choice by choice.
 
+use crate::family::Family;
 use crate::results::Results;
 use crate::row::Row;
-use crate::study::{Origin, Scope, Study};
+use crate::study::{Origin, REFINED, STUDIES, Scope, Study};
 
 /// The rows of one choice on one family, coarsest mesh first and loosest tolerance
 /// first; those of refused and failed runs among them.
@@ -65,6 +66,18 @@ pub(crate) fn strands<'a>(results: &'a Results, study: &Study, scope: &Scope) ->
         })
     });
     joined(each)
+}
+
+impl Results {
+    /// Runs of a family on meshes that the program refined itself; none where there were none.
+    pub(crate) fn refined_of(&self, family: &Family) -> Option<Strand<'_>> {
+        let scopes = STUDIES
+            .iter()
+            .flat_map(|study| study.scopes.iter().map(move |scope| (study, scope)));
+        let own = scopes.filter(|(_, scope)| scope.family == family.name);
+        let mut all = own.flat_map(|(study, scope)| strands(self, study, scope));
+        all.find(|strand| strand.label == REFINED && !strand.rows.is_empty())
+    }
 }
 
 /// Strands of the same label as one, by unknowns: several accuracies are one curve.

@@ -9,6 +9,9 @@ use crate::families;
 use crate::family::{Family, Level};
 use crate::method::Method;
 
+/// Label of meshes that the program refines itself.
+pub(crate) const REFINED: &str = "refined by the force";
+
 /// One of the compared methods.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Choice {
@@ -396,27 +399,27 @@ pub(crate) const STUDIES: &[Study] = &[
                 "obstacle.0.surface=smooth",
             ),
             refined(
-                "refined by the force",
+                REFINED,
                 "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.1",
             ),
             refined(
-                "refined by the force",
+                REFINED,
                 "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.05",
             ),
             refined(
-                "refined by the force",
+                REFINED,
                 "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.02",
             ),
             refined(
-                "refined by the force",
+                REFINED,
                 "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.01",
             ),
             refined(
-                "refined by the force",
+                REFINED,
                 "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.005",
             ),
             refined(
-                "refined by the force",
+                REFINED,
                 "obstacle.0.surface=smooth,accuracy.max_time=60,accuracy.force.OBSTACLE=0.002",
             ),
         ],
