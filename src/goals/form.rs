@@ -5,19 +5,15 @@
 //!     [ -cof F^T  -1/K   ]        linear: 2 mu e : e + lambda tr e tr e, cof F = 1
 //! ```
 //!
-//! and |S|, the positive one with its eigenvectors, pressures taken over the shear modulus. The
-//! pressure's own part of the tangent, -p d(cof F)/dF, is left out: of the gradients of motions
+//! The pressure's own part of the tangent, -p d(cof F)/dF, is left out: of the gradients of motions
 //! that change no volume it is a divergence, which the pressures of what presses and the curvature
 //! of gaps take up, but of recovered gradients, which belong to no motion, it is p times their
 //! square. Under p of many shear moduli, as in bonded layers, that would be all of the sum.
 //!
-//! Non-dimensional. Cost: an eigenvalue problem of ten a cell of rubber, one a material else.
+//! Non-dimensional. Cost: one tangent a cell of rubber, one form a material else.
 
-use crate::assembly::recovery::{CellForm, FormMatrix, NUMBERS};
+use crate::assembly::recovery::{FormMatrix, NUMBERS};
 use crate::geometry::Matrix3;
-use crate::linalg::DenseMatrix;
-use crate::linalg::eigen::symmetric;
-use crate::linalg::vector::dot;
 use crate::material::Rubber;
 use crate::model::Model;
 use crate::model::state::State;
@@ -35,7 +31,7 @@ pub(super) struct Forms<'m> {
     /// Of each material: rubber at rest; empty for linear bodies.
     laws: Vec<Rubber>,
     /// Of each material of a linear body.
-    linear: Vec<CellForm>,
+    linear: Vec<FormMatrix>,
 }
 
 impl<'m> Forms<'m> {
@@ -56,7 +52,7 @@ impl<'m> Forms<'m> {
     }
 
     /// The form of a cell.
-    pub(super) fn of(&self, cell: usize) -> CellForm {
+    pub(super) fn of(&self, cell: usize) -> FormMatrix {
         let material = usize::from(self.model.plan.problem.resolved.cell_material[cell]);
         match self.laws.get(material) {
             Some(law) => {
@@ -64,7 +60,7 @@ impl<'m> Forms<'m> {
                 let middle = &MIDDLES[corners - 3];
                 of_rubber(law, &gradient_at(self.model, self.state, cell, middle))
             }
-            None => self.linear[material].clone(),
+            None => self.linear[material],
         }
     }
 }
@@ -95,7 +91,7 @@ pub(super) fn linear(model: &Model<'_>, material: usize) -> Linear {
     }
 }
 
-fn of_linear(own: &Linear) -> CellForm {
+fn of_linear(own: &Linear) -> FormMatrix {
     let mut signed = [[0.0; NUMBERS]; NUMBERS];
     for i in 0..3 {
         for j in 0..3 {
@@ -109,11 +105,11 @@ fn of_linear(own: &Linear) -> CellForm {
             std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
         add_pressure(&mut signed, &cofactor, inverse);
     }
-    form(&signed, own.shear)
+    signed
 }
 
 /// The form of a law at a gradient of the displacement.
-fn of_rubber(law: &Rubber, gradient: &Matrix3) -> CellForm {
+fn of_rubber(law: &Rubber, gradient: &Matrix3) -> FormMatrix {
     let mut signed = [[0.0; NUMBERS]; NUMBERS];
     for (row, own) in signed.iter_mut().zip(law.tangent(gradient, 0.0)) {
         row[..PRESSURE].copy_from_slice(&own);
@@ -122,7 +118,7 @@ fn of_rubber(law: &Rubber, gradient: &Matrix3) -> CellForm {
     let [none, one] = [0.0, 1.0].map(|p| (law.stress(gradient, p), law.volume_defect(gradient, p)));
     let cofactor = std::array::from_fn(|i| std::array::from_fn(|j| none.0[i][j] - one.0[i][j]));
     add_pressure(&mut signed, &cofactor, none.1 - one.1);
-    form(&signed, law.shear_modulus())
+    signed
 }
 
 fn add_pressure(signed: &mut FormMatrix, cofactor: &Matrix3, inverse: f64) {
@@ -133,86 +129,13 @@ fn add_pressure(signed: &mut FormMatrix, cofactor: &Matrix3, inverse: f64) {
     signed[PRESSURE][PRESSURE] -= inverse;
 }
 
-/// S with |S|, pressures taken over `shear`.
-fn form(signed: &FormMatrix, shear: f64) -> CellForm {
-    CellForm {
-        positive: scaled(&positive(&scaled(signed, shear)), shear.recip()),
-        signed: *signed,
-    }
-}
-
-/// Row and column of the pressure times `factor`.
-fn scaled(matrix: &FormMatrix, factor: f64) -> FormMatrix {
-    let mut scaled = *matrix;
-    for place in 0..NUMBERS {
-        scaled[place][PRESSURE] *= factor;
-        scaled[PRESSURE][place] *= factor;
-    }
-    scaled
-}
-
-/// The matrix with the absolute values of its eigenvalues; where these are not found its diagonal's,
-/// by rows.
-fn positive(matrix: &FormMatrix) -> FormMatrix {
-    let mut dense = DenseMatrix::zeros(NUMBERS, NUMBERS);
-    for (i, row) in matrix.iter().enumerate() {
-        for (j, value) in row.iter().enumerate() {
-            *dense.at_mut(i, j) = *value;
-        }
-    }
-    let mut sum = [[0.0; NUMBERS]; NUMBERS];
-    let Some(vectors) = symmetric(&dense) else {
-        for (i, row) in matrix.iter().enumerate() {
-            sum[i][i] = row.iter().map(|value| value.abs()).sum();
-        }
-        return sum;
-    };
-    for vector in vectors {
-        let mut image = vec![0.0; NUMBERS];
-        dense.multiply(&vector, &mut image);
-        let size = dot(&vector, &image).abs();
-        for (i, row) in sum.iter_mut().enumerate() {
-            for (j, value) in row.iter_mut().enumerate() {
-                *value += size * vector[i] * vector[j];
-            }
-        }
-    }
-    sum
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn along(matrix: &FormMatrix, x: &[f64; NUMBERS]) -> f64 {
-        let rows = matrix.iter().zip(x);
-        rows.map(|(row, own)| own * dot(row, x)).sum()
-    }
-
-    fn assert_bounded(form: &CellForm) {
-        for k in 0..NUMBERS {
-            let x: [f64; NUMBERS] = std::array::from_fn(|i| ((3 * i + 5 * k) % 7) as f64 - 3.0);
-            let [signed, positive] = [&form.signed, &form.positive].map(|one| along(one, &x));
-            assert!(positive >= signed.abs() - 1e-12, "{signed} {positive}");
-        }
-    }
-
-    #[test]
-    fn the_positive_form_bounds_the_other_in_both_signs() {
-        let gradient = [[-0.3, 0.2, 0.0], [0.1, 0.4, 0.0], [0.0, 0.0, 0.05]];
-        assert_bounded(&of_rubber(&Rubber::neo_hookean(2.0, 0.1), &gradient));
-        for inverse in [None, Some(0.0), Some(0.3)] {
-            assert_bounded(&of_linear(&Linear {
-                shear: 0.7,
-                lame: 0.2,
-                inverse,
-            }));
-        }
-    }
-
     #[test]
     fn rubber_at_rest_has_the_form_of_a_linear_body() {
-        let found = of_rubber(&Rubber::neo_hookean(0.7, 0.2), &[[0.0; 3]; 3]).signed;
+        let found = of_rubber(&Rubber::neo_hookean(0.7, 0.2), &[[0.0; 3]; 3]);
         // 2 mu of the deviator of e.
         let linear = Linear {
             shear: 0.7,
@@ -222,7 +145,7 @@ mod tests {
         for (found, exact) in found
             .iter()
             .flatten()
-            .zip(of_linear(&linear).signed.iter().flatten())
+            .zip(of_linear(&linear).iter().flatten())
         {
             assert!((found - exact).abs() < 1e-12, "{found} {exact}");
         }

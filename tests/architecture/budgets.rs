@@ -8,7 +8,7 @@ use super::{SOLVER, production, tokens};
 /// lines by [`GROWTH`] per cent; the constants are a ceiling.
 #[rustfmt::skip]
 const BUDGETS: &[(&str, usize, usize)] = &[
-    ("adapted", 791, 5),
+    ("adapted", 900, 5),
     ("assembly", 8068, 33),
     ("calibration", 1066, 17),
     ("comparisons", 92, 0),
@@ -20,7 +20,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("fluid", 649, 0),
     ("force_control", 1270, 33),
     ("geometry", 497, 1),
-    ("goals", 2800, 8),
+    ("goals", 2850, 8),
     ("inequality", 5393, 52),
     ("krylov", 892, 13),
     ("lib", 286, 0),

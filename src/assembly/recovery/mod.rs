@@ -36,7 +36,7 @@ use fit::{Fit, Quadratic};
 use sites::Sites;
 use strain::{Cells, EnergyForm};
 
-pub use pairs::{CellForm, FormMatrix, NUMBERS, cell_products};
+pub use pairs::{CellProducts, FormMatrix, NUMBERS, cell_products};
 
 /// How far the polynomials of inner vertices reach along the rim: a corner has
 /// neighbours on the rim only.

@@ -24,13 +24,15 @@ pub const NUMBERS: usize = 10;
 /// one for the pressure.
 pub type FormMatrix = [[f64; NUMBERS]; NUMBERS];
 
-/// A form of gradients and pressures.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CellForm {
-    /// S, symmetric.
-    pub signed: FormMatrix,
-    /// What bounds it from above in both signs, positive semidefinite.
-    pub positive: FormMatrix,
+/// Products of both errors in a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CellProducts {
+    /// By the whole form.
+    pub whole: f64,
+    /// By its part of the gradients alone.
+    pub gradients: f64,
+    /// Each error by itself, by the gradients alone.
+    pub own: [f64; 2],
 }
 
 /// A displacement with its recovered gradients.
@@ -40,12 +42,12 @@ struct Recovered<'a, const D: usize, const V: usize, const E: usize, const M: us
     polynomials: Vec<Quadratic<M, S>>,
 }
 
-/// Of each cell: the product of both errors by the signed form, then each error by itself by the
-/// positive one `[cells][3]`. Both displacements are of one body; moduli are not read.
+/// Products of both errors by a symmetric form `[cells]`. Both displacements are of one body; moduli
+/// are not read.
 pub fn cell_products(
     fields: [&Recovery<'_>; 2],
-    form: &(dyn Fn(usize) -> CellForm + Sync),
-) -> Vec<[f64; 3]> {
+    form: &(dyn Fn(usize) -> FormMatrix + Sync),
+) -> Vec<CellProducts> {
     match fields[0].space.components {
         2 => products::<2, 3, 3, 6, 5>(fields, form),
         _ => products::<3, 4, 6, 10, 10>(fields, form),
@@ -54,8 +56,8 @@ pub fn cell_products(
 
 fn products<const D: usize, const V: usize, const E: usize, const M: usize, const S: usize>(
     fields: [&Recovery<'_>; 2],
-    form: &(dyn Fn(usize) -> CellForm + Sync),
-) -> Vec<[f64; 3]> {
+    form: &(dyn Fn(usize) -> FormMatrix + Sync),
+) -> Vec<CellProducts> {
     let [first, _] = fields;
     let sites = Sites::new(first.mesh, first.regions);
     let recovered = fields.map(|field| {
@@ -73,15 +75,27 @@ fn products<const D: usize, const V: usize, const E: usize, const M: usize, cons
             let error = one.cells.difference::<M>(cell, polynomial);
             error.nodes().copied().collect::<Vec<[f64; S]>>()
         });
-        let [own, other] = &errors;
-        let form = form(cell);
+        let [own, dual] = &errors;
+        let whole = form(cell);
+        let gradients = of_gradients(&whole);
         let measure = first.geometry.volumes[cell];
-        [
-            measure * product::<D, S>(&means, [own, other], &form.signed),
-            measure * product::<D, S>(&means, [own, own], &form.positive),
-            measure * product::<D, S>(&means, [other, other], &form.positive),
-        ]
+        let by = |fields: [&[[f64; S]]; 2], form| measure * product::<D, S>(&means, fields, form);
+        CellProducts {
+            whole: by([own, dual], &whole),
+            gradients: by([own, dual], &gradients),
+            own: [by([own, own], &gradients), by([dual, dual], &gradients)],
+        }
     })
+}
+
+/// The form without row and column of the pressure.
+fn of_gradients(form: &FormMatrix) -> FormMatrix {
+    let mut part = *form;
+    for place in 0..NUMBERS {
+        part[place][NUMBERS - 1] = 0.0;
+        part[NUMBERS - 1][place] = 0.0;
+    }
+    part
 }
 
 /// Mean products of the P2 Lagrange functions over a cell `[nodes][nodes]`.
