@@ -105,6 +105,8 @@ pub enum End {
     Zero(String),
     /// The state found no equilibrium on the next mesh; that of the mesh before is kept.
     NotConverged(Termination),
+    /// The next mesh has no answer; that of the mesh before is kept.
+    Failed(String),
 }
 
 impl End {
@@ -126,6 +128,7 @@ impl End {
             Self::Solver { .. } => "solver",
             Self::Zero(_) => "zero",
             Self::NotConverged(_) => "not_converged",
+            Self::Failed(_) => "failed",
         }
     }
 }
@@ -181,6 +184,7 @@ impl fmt::Display for End {
                 "the state found no equilibrium on the next mesh ({})",
                 termination.name()
             ),
+            Self::Failed(cause) => write!(out, "the next mesh has no answer: {cause}"),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::accuracy::Accuracy;
+use super::accuracy::{Accuracy, Target};
 use super::error::AdaptionError;
 use super::judge::{self, Judge};
 use super::round::{End, GoalRound, Round};
@@ -60,8 +60,8 @@ pub struct Adapted {
 /// or a limit ends it. Cost: some two solutions on the last mesh.
 ///
 /// # Errors
-/// [`AdaptionError`] where the first mesh has no answer, or the caller stops it. What fails on a
-/// refined mesh ends the loop with what the one before gave.
+/// [`AdaptionError`] where the first mesh has no answer, or the caller cancels it. What fails on a
+/// refined mesh ends the loop with what the one before gave, a deadline among it.
 pub fn adapt(
     problem: Problem<'_>,
     accuracy: &Accuracy,
@@ -71,47 +71,49 @@ pub fn adapt(
     let mut judge = Judge::new(accuracy);
     let started = Instant::now();
     let mut present = first(problem, &mut watch)?;
+    let mut answers = present.answers(accuracy, watch.cancel)?;
     let mut rounds: Vec<Round> = Vec::new();
-    loop {
-        let answers = present.answers(accuracy, watch.cancel)?;
+    let end = loop {
         let round = present.round(rounds.len(), judge.goals(&answers), &answers);
         (watch.rounds)(&round);
         let goals = round.goals.clone();
         rounds.push(round);
-        let next = match judge::end(&goals, &answers) {
-            Some(end) => Err(end),
-            None => {
-                let marked = judge::marks(&goals, &answers);
-                let left = Left {
-                    accuracy,
-                    rounds: &rounds,
-                    started,
-                };
-                present.finer(&marked, &left, &mut watch)?
-            }
-        };
-        match next {
-            Ok(finer) => present = finer,
-            Err(end) => {
-                return Ok(Adapted {
-                    session: present.session,
-                    scene: present.scene,
-                    hierarchy: present.hierarchy,
-                    rounds,
-                    end,
-                });
-            }
+        if let Some(end) = judge::end(&goals, &answers) {
+            break end;
         }
-    }
+        let left = Left {
+            accuracy,
+            rounds: &rounds,
+            started,
+        };
+        let marked = judge::marks(&goals, &answers);
+        match present.answered(&marked, &left, &mut watch) {
+            Ok((finer, found)) => (present, answers) = (finer, found),
+            Err(failure) => break left.failed(failure, watch.cancel)?,
+        }
+    };
+    Ok(Adapted {
+        session: present.session,
+        scene: present.scene,
+        hierarchy: present.hierarchy,
+        rounds,
+        end,
+    })
 }
 
 /// Refuses what no mesh can answer.
 fn check(problem: Problem<'_>, accuracy: &Accuracy) -> Result<(), AdaptionError> {
     let is_usable = |tolerance: f64| tolerance.is_finite() && tolerance > 0.0;
+    let is_repeated = |(place, one): (usize, &Target)| {
+        let mut before = accuracy.targets.iter().take(place);
+        before.any(|other| other.goal == one.goal)
+    };
     if accuracy.targets.is_empty() {
         Err(AdaptionError::Malformed("it names no goal"))
     } else if !accuracy.targets.iter().all(|one| is_usable(one.tolerance)) {
         Err(AdaptionError::Malformed("tolerances must be above zero"))
+    } else if accuracy.targets.iter().enumerate().any(is_repeated) {
+        Err(AdaptionError::Malformed("it names a goal twice"))
     } else if problem.steps.is_empty() {
         Err(AdaptionError::Malformed("there is no step"))
     } else {
@@ -128,6 +130,18 @@ struct Present {
     /// Predicted for a step.
     bytes: u64,
     started: Instant,
+}
+
+/// Why there is no finer mesh.
+enum Failure {
+    End(End),
+    Error(AdaptionError),
+}
+
+impl From<AdaptionError> for Failure {
+    fn from(error: AdaptionError) -> Self {
+        Self::Error(error)
+    }
 }
 
 /// What is left of the limits.
@@ -225,38 +239,60 @@ impl Present {
         }
     }
 
-    /// The state on the mesh where `marked` cells are halved, or what is in the way of that.
+    /// The state on the mesh where `marked` cells are halved, with its goals.
+    fn answered(
+        &mut self,
+        marked: &[u32],
+        left: &Left<'_>,
+        watch: &mut Watch<'_>,
+    ) -> Result<(Self, Vec<GoalReport>), Failure> {
+        let finer = self.finer(marked, left, watch)?;
+        let answers = finer.answers(left.accuracy, watch.cancel)?;
+        Ok((finer, answers))
+    }
+
+    /// The state on the mesh where `marked` cells are halved.
     fn finer(
         &mut self,
         marked: &[u32],
         left: &Left<'_>,
         watch: &mut Watch<'_>,
-    ) -> Result<Result<Self, End>, AdaptionError> {
+    ) -> Result<Self, Failure> {
         let started = Instant::now();
-        if let Some(end) = left.over() {
-            return Ok(Err(end));
-        }
-        let refined = match self.hierarchy.halve(marked, left.of_mesh()) {
-            Ok(refined) => refined,
-            Err(error) => return left.refused(error),
-        };
+        left.refuse_over()?;
+        self.ask_room(self.least_bytes(marked), watch)?;
+        let refined = self.hierarchy.halve(marked, left.of_mesh());
+        let refined = refined.map_err(|error| left.refused(error))?;
         let scene = left.timed(&self.scene);
-        let plan = Plan::new(&scene, &[Step::default()], refined.hierarchy.mesh())?;
-        if let Some(end) = left.too_large(&plan) {
-            return Ok(Err(end));
-        }
-        let needed = plan.first_bytes();
-        if !(watch.room)(self.bytes.saturating_add(needed)) {
-            return Ok(Err(End::NoRoom { needed }));
-        }
+        let plan = Plan::new(&scene, &[Step::default()], refined.hierarchy.mesh())
+            .map_err(AdaptionError::from)?;
+        left.refuse_too_large(&plan)?;
+        self.ask_room(plan.first_bytes(), watch)?;
         let mut finer = self.carried(Arc::new(plan), refined, (started, watch.cancel))?;
         // What drives the body stays as it is.
         let ending = take(&mut finer.session, &Step::default(), watch)?.termination;
-        Ok(if ending == Termination::Converged {
+        if ending == Termination::Converged {
             Ok(finer)
         } else {
-            Err(left.ended(ending))
-        })
+            Err(Failure::End(left.ended(ending)))
+        }
+    }
+
+    /// What a mesh of the cells that there are with those that are marked, halved, takes at the least.
+    fn least_bytes(&self, marked: &[u32]) -> u64 {
+        let cells = self.hierarchy.mesh().cell_count().max(1) as u64;
+        let added = u128::from(self.bytes) * marked.len() as u128 / u128::from(cells);
+        self.bytes
+            .saturating_add(u64::try_from(added).unwrap_or(u64::MAX))
+    }
+
+    /// Asks for what a finer mesh takes beside the present one.
+    fn ask_room(&self, needed: u64, watch: &mut Watch<'_>) -> Result<(), Failure> {
+        if (watch.room)(self.bytes.saturating_add(needed)) {
+            Ok(())
+        } else {
+            Err(Failure::End(End::NoRoom { needed }))
+        }
     }
 
     /// The state on a refined mesh, not yet in equilibrium there.
@@ -300,11 +336,31 @@ impl Left<'_> {
         scene
     }
 
-    /// Why there is no equilibrium on the next mesh.
+    /// Why there is no equilibrium on the next mesh: of several limits of time the one that is used up.
     fn ended(&self, termination: Termination) -> End {
-        let is_late = termination == Termination::DeadlineExceeded;
+        let is_late = termination == Termination::DeadlineExceeded
+            && self.seconds().is_some_and(|left| left <= 0.0);
         let most = self.accuracy.limits.seconds.filter(|_| is_late);
         most.map_or(End::NotConverged(termination), |most| End::Time { most })
+    }
+
+    /// The end that a failure is: the mesh before has its answers. A caller who stops gets none.
+    fn failed(&self, failure: Failure, cancel: &CancelToken) -> Result<End, AdaptionError> {
+        match (failure, cancel.stopped()) {
+            (Failure::End(end), _) => Ok(end),
+            (Failure::Error(error), Some(Termination::Cancelled)) => Err(error),
+            (Failure::Error(_), Some(stopped)) => Ok(self.ended(stopped)),
+            (Failure::Error(error), None) => Ok(End::Failed(error.to_string())),
+        }
+    }
+
+    fn refuse_over(&self) -> Result<(), Failure> {
+        self.over().map_or(Ok(()), |end| Err(Failure::End(end)))
+    }
+
+    fn refuse_too_large(&self, plan: &Plan) -> Result<(), Failure> {
+        let found = self.too_large(plan);
+        found.map_or(Ok(()), |end| Err(Failure::End(end)))
     }
 
     /// Whether rounds or time are used up.
@@ -330,19 +386,22 @@ impl Left<'_> {
     }
 
     /// A mesh that was not made.
-    fn refused<T>(&self, error: RefinementError) -> Result<Result<T, End>, AdaptionError> {
+    fn refused(&self, error: RefinementError) -> Failure {
         let limits = &self.accuracy.limits;
-        match error {
-            RefinementError::TooManyCells { limit } => Ok(Err(End::Unknowns {
+        let end = match error {
+            RefinementError::TooManyCells { limit } => End::Unknowns {
                 needed: None,
                 most: limits.unknowns.unwrap_or(limit as u64),
-            })),
-            RefinementError::TooMuchMemory { limit } => Ok(Err(End::Memory {
+            },
+            RefinementError::TooMuchMemory { limit } => End::Memory {
                 needed: None,
                 most: limit,
-            })),
-            RefinementError::NoSuchCell { .. } | RefinementError::NoMesh(_) => Err(error.into()),
-        }
+            },
+            RefinementError::NoSuchCell { .. } | RefinementError::NoMesh(_) => {
+                return Failure::Error(error.into());
+            }
+        };
+        Failure::End(end)
     }
 
     /// Whether a plan passes a limit.

@@ -10,7 +10,7 @@ use crate::common::{close, run};
 use signorini::adapted::{
     Accuracy, AccuracyLimits, Adapted, AdaptionError, End, Problem, Round, Target, Watch, adapt,
 };
-use signorini::report::Silent;
+use signorini::report::{Silent, Termination};
 use signorini::scene::{GoalErrors, GoalQuestions, Probe, Shape, SurfaceGeometry};
 use signorini::{CancelToken, Mesh, Scene, Step};
 
@@ -67,23 +67,30 @@ impl Pressed {
         tolerance: f64,
         limits: AccuracyLimits,
     ) -> Result<Adapted, AdaptionError> {
-        let goal = self.goal.parse().expect("a goal");
-        let accuracy = Accuracy {
-            targets: vec![Target { goal, tolerance }],
-            limits,
-        };
-        let problem = Problem {
-            scene: &self.scene,
-            steps: std::slice::from_ref(&self.step),
-            mesh,
-        };
+        let accuracy = self.accuracy(tolerance, limits);
         let watch = Watch {
             rounds: &mut |_| (),
             observer: &mut Silent,
             room: &mut |_| true,
             cancel: &CancelToken::new(),
         };
-        adapt(problem, &accuracy, watch)
+        adapt(self.problem(mesh), &accuracy, watch)
+    }
+
+    fn accuracy(&self, tolerance: f64, limits: AccuracyLimits) -> Accuracy {
+        let goal = self.goal.parse().expect("a goal");
+        Accuracy {
+            targets: vec![Target { goal, tolerance }],
+            limits,
+        }
+    }
+
+    fn problem<'a>(&'a self, mesh: &'a Arc<Mesh>) -> Problem<'a> {
+        Problem {
+            scene: &self.scene,
+            steps: std::slice::from_ref(&self.step),
+            mesh,
+        }
     }
 
     /// The force and the unknowns of a mesh.
@@ -233,6 +240,30 @@ fn a_mesh_is_asked_once_whatever_the_scene_asks_of_its_increments() {
     let adapted = problem.adapted(&mesh(square(4)), 0.02).expect("a result");
     assert!(adapted.rounds.len() > 1);
     assert!(adapted.session.plan().scene().questions.is_empty());
+}
+
+#[test]
+fn time_that_is_up_on_a_finer_mesh_leaves_the_one_before() {
+    let problem = block(elastic(0.3), 0.03, 1);
+    let cancel = CancelToken::new();
+    let mut count = 0;
+    let watch = Watch {
+        rounds: &mut |_| {
+            count += 1;
+            if count == 2 {
+                cancel.expire();
+            }
+        },
+        observer: &mut Silent,
+        room: &mut |_| true,
+        cancel: &cancel,
+    };
+    let accuracy = problem.accuracy(1e-6, AccuracyLimits::default());
+    let found = adapt(problem.problem(&mesh(square(4))), &accuracy, watch).expect("a result");
+    let late = End::NotConverged(Termination::DeadlineExceeded);
+    assert_eq!((found.rounds.len(), found.end), (2, late));
+    let cells = found.hierarchy.mesh().cell_count() as u64;
+    assert_eq!(cells, found.rounds[1].cells);
 }
 
 #[test]

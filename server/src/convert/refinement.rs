@@ -44,6 +44,7 @@ pub(crate) fn end(end: &End) -> wire::RefinementEnd {
         End::Solver { .. } => wire::RefinementEnd::Solver,
         End::Zero(_) => wire::RefinementEnd::Zero,
         End::NotConverged(_) => wire::RefinementEnd::NotConverged,
+        End::Failed(_) => wire::RefinementEnd::Failed,
     }
 }
 

@@ -35,13 +35,20 @@ pub(crate) async fn planned(
     asker: &Asker,
 ) -> Result<Planned, Fault> {
     let client = asker.client.identity;
-    let limit = services.config.maximum_queued;
-    if services.solvers.waiting(client) >= limit {
-        return Err(Fault::QueueFull { limit });
-    }
+    check_queue(services, asker)?;
     planning::check_uploads(services, scene, &asker.caller).await?;
     let _turn = services.gates.plans.turn(client).await;
     planning::plan(services, scene.clone()).await
+}
+
+/// Refuses a client whose queue is full.
+fn check_queue(services: &Services, asker: &Asker) -> Result<(), Fault> {
+    let limit = services.config.maximum_queued;
+    if services.solvers.waiting(asker.client.identity) < limit {
+        Ok(())
+    } else {
+        Err(Fault::QueueFull { limit })
+    }
 }
 
 /// What the work tells.
@@ -61,6 +68,8 @@ pub(crate) fn begin(
     (accuracy, cancel): (Accuracy, CancelToken),
     asker: &Asker,
 ) -> Result<mpsc::UnboundedReceiver<Told>, Fault> {
+    // Many calls of a client may have been planned since the first look.
+    check_queue(services, asker)?;
     let account = services.account(asker.client.identity);
     let bytes = planned.plan.first_bytes();
     let reservation = services.store.reserve_for(account, bytes)?;

@@ -156,6 +156,19 @@ async fn what_cannot_be_refined_is_refused_with_its_key() {
             "accuracy.max_time"
         ]
     );
+    // A goal along the motion of its obstacle and the same with its axis.
+    let twice = limited(&block, |asked| {
+        asked.targets = ["force.ball.z", "force.ball"]
+            .map(|goal| wire::AccuracyTarget {
+                goal: goal.into(),
+                tolerance: 0.1,
+            })
+            .to_vec();
+    });
+    assert_eq!(
+        paths(&refused(&server, twice).await),
+        ["accuracy.force.ball.z"]
+    );
     let mut rough = scene(&block, 0.1);
     rough.obstacles[0].friction = Some(0.3);
     let rough = refused(&server, rough).await;

@@ -73,6 +73,7 @@ fn word(end: v1::RefinementEnd) -> &'static str {
         v1::RefinementEnd::NotConverged => "not_converged",
         v1::RefinementEnd::NoRoom => "no_room",
         v1::RefinementEnd::Solver => "solver",
+        v1::RefinementEnd::Failed => "failed",
     }
 }
 

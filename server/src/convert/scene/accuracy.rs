@@ -1,5 +1,7 @@
 //! What a scene asks of meshes that are refined.
 
+use std::collections::HashSet;
+
 use signorini::adapted::{Accuracy, AccuracyLimits, Target};
 use signorini::scene::Goal;
 use signorini_proto::travel::with_axis;
@@ -32,6 +34,13 @@ pub(crate) fn take_accuracy(scene: &mut wire::Scene) -> Result<Accuracy, Fault> 
         .iter()
         .flat_map(|one| target(one, &mut faults))
         .collect();
+    let mut named = HashSet::new();
+    for (goal, _) in goals
+        .iter()
+        .filter(|(goal, _)| !named.insert(goal.as_str()))
+    {
+        faults.add(format!("accuracy.{goal}"), "is named twice");
+    }
     let limits = limits(&asked, &mut faults);
     faults.outcome()?;
     let mut bound = asked.bound;
