@@ -4,7 +4,7 @@
 //! stops going on beyond its ends and corners: roots of cubics. They count within the reach along the
 //! ray, and at any distance those of faces that are met, or of the same body: what else is among the
 //! candidates of another body changes nothing. Between two of them the partner is that of the ray in the middle: the nearest face that it
-//! meets from outside, within the reach. The choice is by values alone; derivatives are taken with the
+//! meets from outside, within the reach and before half of the way to where neighbouring rays meet. The choice is by values alone; derivatives are taken with the
 //! topology as it is. Cost: one cubic a vertex and one ray a part and face among the candidates.
 
 use super::piece::{
@@ -24,7 +24,7 @@ pub(super) const WIDE: f64 = 2.0;
 /// Gap over the length of a face from which on it is open, without unit; chosen.
 const OPEN: f64 = 0.1;
 /// Share of the way to where neighbouring rays meet up to which they count.
-const SIDE_BY_SIDE: f64 = 0.5;
+pub(super) const SIDE_BY_SIDE: f64 = 0.5;
 /// Halvings that find a root to rounding.
 const HALVINGS: usize = 60;
 
@@ -289,8 +289,7 @@ fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Opti
     best.filter(|&(index, gap)| {
         let is_hidden = |other: &Partner| is_behind(face, s, (other, gap));
         let is_clear = match partners[index].role {
-            Role::Apart => true,
-            Role::Meets => is_before_focus(face, s, gap),
+            Role::Apart | Role::Meets => is_before_focus(face, s, gap),
             Role::Hides => false,
         };
         is_clear && !partners.iter().any(is_hidden)
@@ -298,7 +297,8 @@ fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Opti
 }
 
 /// Whether neighbouring rays of a point of the face still go their way side by side at a distance
-/// `gap`: those of a hollow fold meet in its middle, and what they sweep beyond is negative.
+/// `gap`: those of a hollow face meet in its middle, and what they sweep beyond is negative, so that a
+/// wide gap would count as closed and pull.
 fn is_before_focus(face: &Face<f64>, s: f64, gap: f64) -> bool {
     let [tangent, change] = face.tangent(s);
     let n = to_the_right(tangent);

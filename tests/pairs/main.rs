@@ -10,6 +10,7 @@ mod cylinders;
 mod floating;
 mod folds;
 mod friction;
+mod grooves;
 mod mirrors;
 mod objectivity;
 mod patches;

@@ -1,14 +1,15 @@
 //! Which parts of a face meet which faces of the other surface: its pieces.
 //!
 //! A partner counts where its middle is met from outside by a cosine of at least `GRAZING`, within the
-//! reach. Where two have a part in common, as two layers have or what goes on beyond a corner, the one
+//! reach and before half of the way to where neighbouring rays of a hollow face meet. Where two have a part in common, as two layers have or what goes on beyond a corner, the one
 //! that is nearer at its middle has it; faces that share a normal have none in common. The choice is
 //! by values alone. Cost: one outline a partner.
 
 use super::outline::{LEAST, Partner, Polygon, middle, on_face, whole, without};
 use super::patch::At;
 use super::rays::{Rayed, hit};
-use crate::geometry::vector3::{dot, norm};
+use crate::geometry::vector3::{cross, dot, norm};
+use crate::pairs::choice::SIDE_BY_SIDE;
 
 /// Least cosine between a ray and the normal of what it meets: rays that graze move without bound.
 const GRAZING: f64 = 0.2;
@@ -50,7 +51,8 @@ pub(super) fn pieces(face: &Rayed, candidates: &[Candidate], reach: f64) -> Vec<
             let polygon = seen(face, &own.partner)?;
             let gap = gap_to(face, middle(&polygon), &own.partner)?;
             let is_near = gap <= WIDE * reach && -gap <= reach;
-            is_near.then_some(Found {
+            let is_met = is_near && is_before_focus(face, middle(&polygon), gap);
+            is_met.then_some(Found {
                 place,
                 polygon,
                 gap,
@@ -117,6 +119,24 @@ fn seen(face: &Rayed, partner: &Partner) -> Option<Polygon> {
     }
     let polygon = on_face(partner.outline(face));
     (whole(&polygon) > LEAST).then_some(polygon)
+}
+
+/// Whether the rays around a point of the face still go their way side by side at a distance `gap`, along
+/// both principal directions: beyond where those of a hollow face meet, what they sweep is negative in one,
+///
+/// ```text
+/// n . (x_,1 + r n_,1) x (x_,2 + r n_,2) = a + b r + c r^2,  a (1 + r k_1) (1 + r k_2)
+/// ```
+fn is_before_focus(face: &Rayed, at: At, gap: f64) -> bool {
+    let n = face.normal(at);
+    let [first, second] = face.patch.tangents(at);
+    let [turn, other] = face.turns();
+    let size = norm(n);
+    let r = gap / (size * SIDE_BY_SIDE);
+    let a = dot(n, cross(first, second));
+    let b = dot(n, cross(turn, second)) + dot(n, cross(first, other));
+    let c = dot(n, cross(turn, other));
+    a + r * (b + r * c) > 0.0 && 2.0 * a + r * b > 0.0
 }
 
 /// Distance from a point of the face to a partner along the ray there, negative inside; none where the
