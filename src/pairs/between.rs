@@ -26,6 +26,9 @@ pub(super) trait Gaps {
     /// G and dG/du.
     fn derivatives(&self) -> Derivatives;
 
+    /// The same of linear bodies, by how the surfaces move against each other alone.
+    fn at_rest(&self) -> Derivatives;
+
     /// Rows of sum_j factor_j Hess G_j of `factors` `[functions]`, entries of a column to be added up.
     fn curvature(&self, factors: &[f64]) -> Vec<Row>;
 

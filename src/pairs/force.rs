@@ -37,7 +37,10 @@ impl PairSurface {
             return self.forces_of(body, &rows, &pushing);
         };
         let coefficients = surface.shares.spread(pressures);
-        let parts = self.where_taken(sides, body, |placed| placed.first());
+        let parts = self.where_taken(sides, body, |placed| match &self.at_rest {
+            Some(_) => placed.gaps_at_rest(),
+            None => placed.first(),
+        });
         let parts = parts.iter().map(|part| SidedPart {
             face: part.face,
             nodes: &part.nodes,
@@ -61,7 +64,10 @@ impl PairSurface {
             let [x, y, _] = body.place(node as usize);
             [x, y]
         };
-        let parts = self.where_taken(sides, body, |placed| placed.slid(&start));
+        let parts = self.where_taken(sides, body, |placed| match &self.at_rest {
+            Some(_) => placed.slips_at_rest(),
+            None => placed.slid(&start),
+        });
         let parts = parts.iter().map(|part| SidedPart {
             face: part.face,
             nodes: &part.nodes,

@@ -29,8 +29,10 @@
 //! | [`space`] | both sides in space |
 //! | `ground` | what surfaces lie on |
 //! | [`surface`] | gaps, coupling and curvature of a surface of multipliers |
+//! | `rest` | gaps and slips of linear bodies |
 //! | [`slip`] | how far a piece has slid, and what tractions do |
 //! | [`sliding`] | slips of a surface of multipliers |
+//! | `touching` | where linear bodies touch |
 //! | [`probing`] | what is told of points |
 //!
 //! References: M. Puso and T. Laursen, *A mortar segment-to-segment contact method for large
@@ -48,10 +50,12 @@ pub mod pair;
 pub mod piece;
 mod plane;
 pub mod probing;
+mod rest;
 pub mod sliding;
 pub mod slip;
 pub mod space;
 pub mod surface;
+mod touching;
 pub mod tree;
 
 pub use chain::{Chain, ChainFace};

@@ -7,8 +7,8 @@ use super::between::{Derivatives, Gaps, Row};
 use super::chain::Chain;
 use super::fold::{Fold, Meets};
 use super::ground::Ground;
-use super::number::Second;
-use super::pair::{Pair, Placed};
+use super::number::{First, Second};
+use super::pair::{Pair, Part, Placed};
 use super::piece::{INPUTS, NODES, Section};
 
 use crate::contact::shares::add_equal_columns;
@@ -92,19 +92,12 @@ pub(super) struct PlaneGaps<'a> {
     pub(super) unknowns: usize,
 }
 
-impl Gaps for PlaneGaps<'_> {
-    fn values(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.count];
-        for part in self.placed.gaps() {
-            self.sides.add(part.face, part.gaps, &mut gaps);
-        }
-        gaps
-    }
-
-    fn derivatives(&self) -> Derivatives {
+impl PlaneGaps<'_> {
+    /// Gaps and rows of functions from those of pieces.
+    fn summed(&self, parts: &[Part<First<INPUTS>>]) -> Derivatives {
         let mut values = vec![0.0; self.count];
         let mut rows = vec![Row::new(); self.count];
-        for part in self.placed.first() {
+        for part in parts {
             let own = part.gaps.map(|own| own.value);
             self.sides.add(part.face, own, &mut values);
             let functions = self.sides.functions_of(part.face);
@@ -115,6 +108,24 @@ impl Gaps for PlaneGaps<'_> {
         }
         rows.iter_mut().for_each(add_equal_columns);
         Derivatives { values, rows }
+    }
+}
+
+impl Gaps for PlaneGaps<'_> {
+    fn values(&self) -> Vec<f64> {
+        let mut gaps = vec![0.0; self.count];
+        for part in self.placed.gaps() {
+            self.sides.add(part.face, part.gaps, &mut gaps);
+        }
+        gaps
+    }
+
+    fn derivatives(&self) -> Derivatives {
+        self.summed(&self.placed.first())
+    }
+
+    fn at_rest(&self) -> Derivatives {
+        self.summed(&self.placed.gaps_at_rest())
     }
 
     fn curvature(&self, factors: &[f64]) -> Vec<Row> {

@@ -6,12 +6,12 @@
 //! ```
 //!
 //! Shapes: `[multipliers]`, rows by displacement unknowns, non-dimensional. A linear body has R where
-//! it is at rest and S = R (u - u0). Functions without a partner have no slip and no row.
+//! it is at rest ([`super::rest`]) and S = R (u - u0). Functions without a partner have no slip and no row.
 
 use super::pair::Placed;
 use super::piece::NODES;
 use super::plane::{PlaneGaps, PlaneSides, unknowns};
-use super::slip::Sliding;
+use super::slip::{Sliding, SlipPart};
 use super::surface::{PairSurface, free_matrix, keep_free, uncovered};
 use crate::contact::shares::add_equal_columns;
 use crate::contact::{ContactSurface, Deformed, Measure};
@@ -21,16 +21,22 @@ use crate::linalg::SparseRows;
 type Row = Vec<(u32, f64)>;
 
 impl PairSurface {
-    /// Takes the rows of slips where the linear `body` is at rest.
+    /// Takes the rows of slips where surfaces of the linear `body` touch.
     pub fn freeze_sliding(&mut self, body: &Deformed<'_>, surface: &ContactSurface) {
-        let rest = self.sliding_where_it_is(body, body.displacement, surface);
-        self.sliding_at_rest = Some(rest);
+        let moved = self.touching(body, surface);
+        let at = Deformed {
+            displacement: &moved,
+            ..*body
+        };
+        let rest = |placed: &Placed<'_>| placed.slips_at_rest();
+        self.sliding_at_rest = Some(self.sliding_of(&at, &rest, surface));
     }
 
     /// Slips since nodes were displaced by `start` `[displacement unknowns]`.
     pub fn sliding(&self, body: &Deformed<'_>, start: &[f64], surface: &ContactSurface) -> Sliding {
         let Some(rest) = &self.sliding_at_rest else {
-            return self.sliding_where_it_is(body, start, surface);
+            let place = place_at(body, start);
+            return self.sliding_of(body, &|placed| placed.slid(&place), surface);
         };
         let change = |row: &Row| -> f64 {
             let by = |&(k, value): &(u32, f64)| {
@@ -45,21 +51,21 @@ impl PairSurface {
         }
     }
 
-    fn sliding_where_it_is(
+    /// Slips and rows of functions from what `parts` tells of the pieces.
+    fn sliding_of(
         &self,
         body: &Deformed<'_>,
-        start: &[f64],
+        parts: &dyn Fn(&Placed<'_>) -> Vec<SlipPart>,
         surface: &ContactSurface,
     ) -> Sliding {
         let count = surface.carriers.len();
         let Some(sides) = self.plane() else {
             return Sliding::none(count);
         };
-        let place = place_at(body, start);
         sides.placed(body, |placed| {
             let [mut slips, mut weights, mut x, mut y] = [0; 4].map(|_| vec![0.0; count]);
             let mut rows: Vec<Row> = vec![Vec::new(); count];
-            for part in placed.slid(&place) {
+            for part in parts(placed) {
                 sides.add(part.face, part.slips, &mut slips);
                 sides.add(part.face, part.areas, &mut weights);
                 sides.add(part.face, part.tangents[0], &mut x);

@@ -77,10 +77,10 @@ impl Sliding {
 pub type Change = [[f64; INPUTS]; INPUTS];
 
 /// A point of the rule on a piece: s, r and the weight without the length.
-struct Site {
-    s: f64,
-    r: f64,
-    weight: f64,
+pub(super) struct Site {
+    pub(super) s: f64,
+    pub(super) r: f64,
+    pub(super) weight: f64,
 }
 
 /// The tangent of unit length.
@@ -106,7 +106,7 @@ impl<T: Number> Face<T> {
     }
 
     /// |x'|, times the way around of a body of revolution.
-    fn stretch(&self, s: T, section: Section) -> T {
+    pub(super) fn stretch(&self, s: T, section: Section) -> T {
         let along = slope(self.nodes, s);
         let length = dot(along, along).sqrt();
         match section {
@@ -146,7 +146,7 @@ impl Piece {
     }
 
     /// The points of the rule that have a partner.
-    fn sites(&self, places: &NodePlaces<f64>, rule: &[[f64; 2]]) -> Vec<Site> {
+    pub(super) fn sites(&self, places: &NodePlaces<f64>, rule: &[[f64; 2]]) -> Vec<Site> {
         let (face, other) = (Face::new(places, self.beside), other_of(places));
         let [first, last] = self.ends.map(|end| face.end(end, other));
         let site = |[at, weight]: &[f64; 2]| {

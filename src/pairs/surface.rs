@@ -6,13 +6,14 @@
 //! ```
 //!
 //! Shapes: gaps and rows `[multipliers]`, K `[unknowns, unknowns]`, all non-dimensional. At finite
-//! strain about the deformed surfaces; a linear body has G and dG where it is at rest, so that G is
+//! strain about the deformed surfaces; of a linear body they are taken once, where the surfaces touch
+//! ([`super::touching`]), by how these move against each other alone ([`super::rest`]), so that G is
 //! linear in u. A function of which less than `LEAST_COVERED` has a partner has no row, and a gap as
 //! wide as the search. Cost: see [`super::pair`] and [`super::space`].
 
 use std::collections::BTreeSet;
 
-use super::between::Gaps;
+use super::between::{Derivatives, Gaps};
 use super::fold::Meets;
 use super::ground::Ground;
 use super::piece::Section;
@@ -31,7 +32,9 @@ const LEAST_COVERED: f64 = 1e-3;
 /// The functions of a surface and what they meet.
 #[derive(Clone, Debug)]
 pub struct PairSurface {
-    sides: Sides,
+    pub(super) sides: Sides,
+    /// Components that supports hold at a vertex of either surface.
+    pub(super) held: [bool; 3],
     /// Gaps and rows of all columns at rest, of a linear body.
     pub(super) at_rest: Option<Linearisation>,
     /// Rows of slips at rest, of a linear body with friction.
@@ -40,7 +43,7 @@ pub struct PairSurface {
 
 /// Both surfaces.
 #[derive(Clone, Debug)]
-enum Sides {
+pub(super) enum Sides {
     Plane(PlaneSides),
     Space(SpaceSides),
 }
@@ -95,12 +98,14 @@ impl PairSurface {
         (facets, meets): ([&[u32]; 2], Meets),
         (surface, section): (&ContactSurface, Section),
     ) -> Self {
+        let held = held(ground, facets);
         let sides = match ground.space.components {
             2 => Sides::Plane(PlaneSides::new(ground, (facets, meets), (surface, section))),
             _ => Sides::Space(SpaceSides::new(ground, facets, surface)),
         };
         Self {
             sides,
+            held,
             at_rest: None,
             sliding_at_rest: None,
         }
@@ -114,10 +119,39 @@ impl PairSurface {
         }
     }
 
-    /// Takes gaps and their derivative where the linear `body` is at rest.
+    /// Takes gaps and their derivative where surfaces of the linear `body` touch, for where it is at
+    /// rest.
     pub fn freeze(&mut self, body: &Deformed<'_>, surface: &ContactSurface) {
-        let free = vec![false; body.space.displacement_unknowns()];
-        self.at_rest = Some(self.linearise(body, surface, &free));
+        let moved = self.touching(body, surface);
+        let at = Deformed {
+            displacement: &moved,
+            ..*body
+        };
+        let mut rest = self.where_it_is(&at, surface);
+        for (gap, row) in rest.gap.iter_mut().zip(&rest.rows) {
+            let back = row.iter().map(|&(k, value)| value * moved[k as usize]);
+            *gap += back.sum::<f64>();
+        }
+        self.at_rest = Some(rest);
+    }
+
+    /// Gaps of linear bodies and how they change, where `body` has the surfaces.
+    pub(super) fn where_it_is(
+        &self,
+        body: &Deformed<'_>,
+        surface: &ContactSurface,
+    ) -> Linearisation {
+        self.gaps_of((body, surface), |found| {
+            linearised(found, found.at_rest(), surface)
+        })
+    }
+
+    /// Whether both surfaces are of one body.
+    pub(super) fn is_folded(&self) -> bool {
+        match &self.sides {
+            Sides::Plane(plane) => plane.pair.fold.is_some(),
+            Sides::Space(_) => false,
+        }
     }
 
     /// What `task` makes of the gaps of functions where `body` has the surfaces.
@@ -164,7 +198,9 @@ impl PairSurface {
     ) -> Linearisation {
         let mut part = match &self.at_rest {
             Some(rest) => from_rest(rest, body.displacement, surface),
-            None => self.gaps_of((body, surface), |found| linearised(found, surface)),
+            None => self.gaps_of((body, surface), |found| {
+                linearised(found, found.derivatives(), surface)
+            }),
         };
         part.rows.iter_mut().for_each(|row| keep_free(row, held));
         part
@@ -214,7 +250,7 @@ impl PairSurface {
     }
 
     /// Displacement nodes of the other surface.
-    fn other_nodes(&self) -> BTreeSet<u32> {
+    pub(super) fn other_nodes(&self) -> BTreeSet<u32> {
         match &self.sides {
             Sides::Plane(plane) => {
                 let faces = plane.pair.other.faces.iter();
@@ -238,9 +274,24 @@ impl PairSurface {
     }
 }
 
+/// Components that supports hold at a vertex of some facets.
+fn held(ground: Ground<'_>, facets: [&[u32]; 2]) -> [bool; 3] {
+    let Ground { mesh, space, .. } = ground;
+    let all = facets.into_iter().flatten();
+    let vertices = all.flat_map(|&facet| mesh.facet(facet as usize));
+    let components = space.components as u32;
+    vertices.fold([false; 3], |held, vertex| {
+        let is_held = |i: u32| i < components && (ground.is_held)(components * vertex + i);
+        [0, 1, 2].map(|i| held[i as usize] || is_held(i))
+    })
+}
+
 /// Gaps and coupling to all columns.
-fn linearised(found: &dyn Gaps, surface: &ContactSurface) -> Linearisation {
-    let mut derivatives = found.derivatives();
+fn linearised(
+    found: &dyn Gaps,
+    mut derivatives: Derivatives,
+    surface: &ContactSurface,
+) -> Linearisation {
     let entries = derivatives.rows.iter_mut().flatten();
     entries.for_each(|(_, value)| *value = -*value);
     let mut rows = surface.shares.gather_rows(derivatives.rows);

@@ -5,7 +5,6 @@
 //! of the error, which the tolerance `discretisation` asks for. Cost: some passes over
 //! cells and faces for a report, one for a field.
 
-mod begun_apart;
 pub(crate) mod coarse_turn;
 pub(crate) mod coarse_volume;
 pub(crate) mod contact_alone;

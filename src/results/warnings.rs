@@ -11,7 +11,6 @@
 //! | begins inside | distances before the first increment |
 //! | free motion | rigid modes that supports leave, and no contact, or one that pushes with forces of rounding |
 //! | large strain | the largest strain at the centroid of a cell, of a linear solid |
-//! | the same, of linear bodies apart at rest | [`super::begun_apart`] |
 //! | coarse contact | pressure on a few functions of a curved contact |
 //! | coarse facets | how far facets are off the surface that they stand for, over the squeeze |
 //! | lost digits | displacements, or of rubber lengths, whose rounding is a strain of some share of the largest |
@@ -29,7 +28,6 @@ use crate::model::interfaces::Interface;
 use crate::model::state::{Start, State};
 use crate::model::values::gradient_at;
 use crate::report::{ObstacleResult, Stability, Termination, Warning, WarningKind};
-use crate::results::begun_apart::begun_apart;
 use crate::results::digits::digits;
 use crate::results::passage::{begun_inside, passed, passed_and_presses, untouched};
 use crate::results::touch::Touch;
@@ -88,7 +86,6 @@ pub(crate) fn warnings(
     }
     all.extend(apart(model, state));
     all.extend(bridged(model));
-    all.extend(begun_apart(model, state));
     all.extend(pushed_out(model, ending));
     of_the_body(model, state, ending, &mut all);
     all

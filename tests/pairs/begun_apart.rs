@@ -1,44 +1,162 @@
-//! Linear bodies whose gaps are linear about rest: what was apart there is told.
+//! Linear bodies that are apart at rest, or inside each other: forces are those of bodies that begin in
+//! touch, however far the gap was.
 
-use signorini::report::WarningKind;
-use signorini::{Scene, Step};
+use signorini::scene::SceneKind;
+use signorini::{MeshParts, Scene, Step, StepReport};
 
-use super::scenes::{between, joined, linear};
-use crate::common::meshes::{mesh, moved, unit_grid};
+use super::scenes::{between, joined, linear_of};
+use crate::common::meshes::{curved_file_placed, mesh, moved, unit_box, unit_grid};
 use crate::common::run_one;
-use crate::common::scenes::{pull, support};
+use crate::common::scenes::{HELD_IN_PLANE, pull, support};
 
-/// Two unit squares `gap` apart, pressed together by .05 beyond it; their force and whether a warning
-/// tells of it.
-fn pressed(gap: f64) -> (f64, bool) {
-    let upper = moved(unit_grid(3, 3), |[x, y, z]| [x, y + 1.0 + gap, z]);
-    let body = mesh(joined(&[("a_", unit_grid(4, 4)), ("b_", upper)]));
-    let roller = |name: &str| support(name, [None, Some(0.0), None]);
-    let scene = Scene {
-        supports: vec![
-            roller("a_y0"),
-            support("a_x0", [Some(0.0), None, None]),
-            support("b_x0", [Some(0.0), None, None]),
-            roller("b_y1"),
-        ],
-        contacts: between("b_y0", "a_y1"),
-        ..linear([("a_body", 1.0), ("b_body", 1.0)])
-    };
-    let step: Step = pull("b_y1", [None, Some(-gap - 0.05), None], 1);
-    let (_, report) = run_one(&scene, &step, &body);
-    let mut told = report.warnings.iter();
-    let told =
-        told.any(|one| one.kind == WarningKind::LargeStrain && one.message.contains("at rest"));
-    (report.contacts["pair"].force[1].abs(), told)
+/// How far the bodies are pressed beyond touch.
+const PRESS: f64 = 0.05;
+/// Modulus of confined compression over the shear modulus at Poisson's ratio 0.3.
+const CONFINED: f64 = 2.0 * (1.0 - 0.3) / (1.0 - 2.0 * 0.3);
+/// Gaps at rest over the side of the blocks.
+const GAPS: [f64; 6] = [-0.24, -0.05, 0.0, 0.05, 0.1, 0.2];
+
+/// Force across two blocks of unit side, the upper one three times as stiff, in series.
+fn in_series() -> f64 {
+    CONFINED * PRESS / (1.0 + 1.0 / 3.0)
 }
 
-/// The exact force does not depend on the gap: it does by a tenth of itself where the warning stands.
+/// The two squares `gap` apart between side walls, pressed together.
+fn squares(gap: f64, kind: Option<SceneKind>, [first, second]: [&str; 2]) -> StepReport {
+    let upper = moved(unit_grid(3, 3), |[x, y, z]| [x, y + 1.0 + gap, z]);
+    let body = mesh(joined(&[("a_", unit_grid(4, 4)), ("b_", upper)]));
+    let wall = |name: &str| support(name, [Some(0.0), None, None]);
+    let end = |name: &str| support(name, [None, Some(0.0), None]);
+    let mut supports = vec![end("a_y0"), end("b_y1")];
+    supports.extend(["a_x1", "b_x1"].map(wall));
+    if kind.is_none() {
+        supports.extend(["a_x0", "b_x0"].map(wall));
+    }
+    let mut scene = Scene {
+        kind,
+        supports,
+        contacts: between(first, second),
+        ..linear_of(0.3, [("a_body", 1.0), ("b_body", 3.0)])
+    };
+    scene.solver.tolerance = 1e-12;
+    let step: Step = pull("b_y1", [None, Some(-gap - PRESS), None], 1);
+    run_one(&scene, &step, &body).1
+}
+
 #[test]
-fn linear_bodies_that_were_apart_at_rest_are_warned_of() {
-    let (touching, none) = pressed(0.0);
-    let (near, still_none) = pressed(0.001);
-    let (far, told) = pressed(0.1);
-    assert!(!none && !still_none && told);
-    assert!((near / touching - 1.0).abs() < 2e-3, "{near} {touching}");
-    assert!((far / touching - 1.0).abs() > 0.03, "{far} {touching}");
+fn squares_press_by_what_they_are_pressed_beyond_touch() {
+    for gap in GAPS {
+        for sides in [["b_y0", "a_y1"], ["a_y1", "b_y0"]] {
+            let plane = squares(gap, None, sides).contacts["pair"].force[1].abs();
+            assert!((plane / in_series() - 1.0).abs() < 1e-8, "{gap} {plane}");
+            let round = squares(gap, Some(SceneKind::Axisymmetric), sides);
+            let round = round.contacts["pair"].force[1].abs() / std::f64::consts::PI;
+            assert!((round / in_series() - 1.0).abs() < 1e-8, "{gap} {round}");
+        }
+    }
+}
+
+#[test]
+fn cubes_press_by_what_they_are_pressed_beyond_touch() {
+    for gap in [-0.2, 0.0, 0.1, 0.3] {
+        let upper = moved(unit_box([2, 3, 2]), |[x, y, z]| [x, y, z + 1.0 + gap]);
+        let body = mesh(joined(&[("a_", unit_box([3, 2, 2])), ("b_", upper)]));
+        let held =
+            |name: &str, axis: usize| support(name, [0, 1, 2].map(|i| (i == axis).then_some(0.0)));
+        let walls = ["a", "b"].map(|own| {
+            let named = |side: &str| format!("{own}_{side}");
+            [("x0", 0), ("x1", 0), ("y0", 1), ("y1", 1)].map(|(side, i)| held(&named(side), i))
+        });
+        let ends = vec![held("a_z0", 2), held("b_z1", 2)];
+        let mut scene = Scene {
+            supports: walls.into_iter().flatten().chain(ends).collect(),
+            contacts: between("b_z0", "a_z1"),
+            ..linear_of(0.3, [("a_body", 1.0), ("b_body", 3.0)])
+        };
+        scene.solver.tolerance = 1e-12;
+        let step = pull("b_z1", [None, None, Some(-gap - PRESS)], 1);
+        let (_, report) = run_one(&scene, &step, &body);
+        let force = report.contacts["pair"].force[2].abs();
+        assert!((force / in_series() - 1.0).abs() < 1e-8, "{gap} {force}");
+    }
+}
+
+/// Force on the lower block where the upper one, narrower by what the mesh is shifted, is lowered through
+/// the gap and dragged to the side in the same increment.
+fn dragged(gap: f64) -> [f64; 3] {
+    let upper = moved(unit_grid(3, 3), |[x, y, z]| {
+        [0.1 + 0.8 * x, y + 1.0 + gap, z]
+    });
+    let body = mesh(joined(&[("a_", unit_grid(4, 4)), ("b_", upper)]));
+    let mut contacts = between("b_y0", "a_y1");
+    contacts[0].friction = 0.3;
+    let mut scene = Scene {
+        supports: vec![
+            support("a_y0", HELD_IN_PLANE),
+            support("b_y1", HELD_IN_PLANE),
+        ],
+        contacts,
+        ..linear_of(0.3, [("a_body", 1.0), ("b_body", 3.0)])
+    };
+    scene.solver.tolerance = 1e-12;
+    let step = pull("b_y1", [Some(0.05), Some(-gap - PRESS), None], 1);
+    run_one(&scene, &step, &body).1.contacts["pair"].force
+}
+
+#[test]
+fn blocks_are_dragged_along_as_those_that_begin_in_touch() {
+    let exact = dragged(0.0);
+    assert!(exact[0].abs() > 0.01 && exact[1].abs() > 0.1, "{exact:?}");
+    for gap in [-0.1, 0.1, 0.2] {
+        let found = dragged(gap);
+        for (found, exact) in found.iter().zip(&exact) {
+            assert!((found - exact).abs() < 1e-7, "{gap} {found} {exact}");
+        }
+    }
+}
+
+/// A mesh of which one body is raised.
+fn raised(mut parts: MeshParts, body: &str, by: f64) -> MeshParts {
+    let group = parts.groups.iter().find(|group| group.name == body);
+    let corners = parts.cell_kind.vertices();
+    let cells = group.expect("a body").members.iter();
+    let vertices = cells.flat_map(|&cell| &parts.cells[cell as usize * corners..][..corners]);
+    let vertices: std::collections::BTreeSet<u32> = vertices.copied().collect();
+    let last = parts.cell_kind.dimension() - 1;
+    for vertex in vertices {
+        parts.coordinates[vertex as usize][last] += by;
+    }
+    parts
+}
+
+/// Force of quarters of two cylinders of radius one, the upper one `gap` above the lower one, pressed
+/// together by .02 beyond touch.
+fn cylinders(gap: f64, carrier: [&str; 2]) -> f64 {
+    let body = curved_file_placed("pair_discs", |parts| raised(parts, "slave", gap));
+    let across = |name: &str| support(name, [None, Some(0.0), None]);
+    let axis = |name: &str| support(name, [Some(0.0), None, None]);
+    let scene = Scene {
+        supports: vec![
+            across("s_eq"),
+            across("m_eq"),
+            axis("s_axis"),
+            axis("m_axis"),
+        ],
+        contacts: between(carrier[0], carrier[1]),
+        ..linear_of(0.3, [("slave", 1.0), ("master", 1.0)])
+    };
+    let step = pull("s_eq", [None, Some(-gap - 0.02), None], 1);
+    let (_, report) = run_one(&scene, &step, &body);
+    report.contacts["pair"].force[1].abs()
+}
+
+#[test]
+fn cylinders_press_by_what_they_are_pressed_beyond_touch() {
+    for carrier in [["s_con", "m_con"], ["m_con", "s_con"]] {
+        let exact = cylinders(0.0, carrier);
+        for gap in [0.03, 0.1, 0.2] {
+            let found = cylinders(gap, carrier) / exact;
+            assert!((found - 1.0).abs() < 2e-4, "{carrier:?} {gap} {found}");
+        }
+    }
 }

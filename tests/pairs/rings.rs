@@ -130,8 +130,11 @@ fn linear_rings_shrink_onto_each_other_by_lame() {
                 assert_eq!(report.sqp_iterations, 1);
                 even(&report, 1.0) / exact - 1.0
             });
-            // The radius of either surface is that of the mean within 5e-4.
-            assert!(errors[1].abs() < 6e-4, "{moduli:?} {carrier:?} {errors:?}");
+            // To first order in the overlap, 1e-3 of the radius.
+            assert!(
+                errors[1].abs() < 1.5e-3,
+                "{moduli:?} {carrier:?} {errors:?}"
+            );
         }
     }
 }

@@ -218,6 +218,33 @@ impl Placed<'_> {
         sums
     }
 
+    /// Of linear bodies the gaps of each meeting, and their gradients on each of its pieces.
+    pub(super) fn at_rest(&self) -> Vec<([f64; NODES], Vec<Gradients>)> {
+        parallel::map(self.meetings.len(), FEW, &|k| {
+            let meeting = &self.meetings[k];
+            let mut gaps = [0.0; NODES];
+            let of_piece = |piece| self.gradient_at_rest((meeting.face, piece), &mut gaps);
+            let gradients = meeting.pieces.iter().map(of_piece).collect();
+            (gaps, gradients)
+        })
+    }
+
+    /// Adds a piece to the gaps of its face.
+    fn gradient_at_rest(&self, piece: (usize, &Piece), gaps: &mut [f64; NODES]) -> Gradients {
+        let mut sums = [[[0.0; 3]; VECTORS]; NODES];
+        let other = &self.others[piece.1.other];
+        self.each_point(piece, &mut |point, weight| {
+            let (gap, own) = point.at_rest(other);
+            for ((gaps, sum), value) in gaps.iter_mut().zip(&mut sums).zip(bernstein(point.at)) {
+                *gaps += weight * value * gap;
+                for (sum, own) in sum.iter_mut().zip(own) {
+                    *sum = add(*sum, scale(weight * value, own));
+                }
+            }
+        });
+        sums
+    }
+
     /// int psi_j over all of each face, by deformed area.
     pub(super) fn whole(&self) -> Vec<[f64; NODES]> {
         let all = Piece {

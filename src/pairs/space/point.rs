@@ -189,6 +189,18 @@ impl Point {
         })
     }
 
+    /// Of linear bodies n.(x_,1 x x_,2) times g, and times its derivatives by the vectors where the ray
+    /// stays as it is ([`crate::pairs`]).
+    pub(super) fn at_rest(&self, other: &Patch) -> (f64, [[f64; 3]; VECTORS]) {
+        let facing = dot(self.n[0], cross(self.x[0], self.x[1]));
+        let (down, _) = self.across(other);
+        let mut rows = self
+            .factors()
+            .map(|factors| scale(facing * factors[0], down));
+        rows[6..OTHER].fill([0.0; 3]);
+        (facing * self.met.gap, rows)
+    }
+
     /// Second derivative of a by the forms, of each pair once or both ways.
     fn form_bend(&self, other: &Patch) -> [[Block; FORMS]; FORMS] {
         let n = self.n[0];

@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 use super::bends::{FaceBend, Vector};
 use super::normals::{FanAt, Row};
-use super::pair::{Placed, Totals};
+use super::pair::{Gradients, Placed, Totals};
 use super::patch::NODES;
 use super::skin::Skin;
 use crate::contact::shares::add_equal_columns;
@@ -117,9 +117,8 @@ impl SpaceGaps<'_> {
     }
 
     /// Rows of gaps by nodes and normals `[functions]`.
-    fn raw_rows(&self) -> Vec<Row> {
+    fn raw_rows(&self, found: Vec<Vec<Gradients>>) -> Vec<Row> {
         let mut rows = vec![Row::new(); self.count];
-        let found = self.placed.gradients();
         for (meeting, gradients) in self.placed.meetings.iter().zip(found) {
             for (piece, own) in meeting.pieces.iter().zip(gradients) {
                 let vectors = self.placed.vectors(meeting.face, piece);
@@ -178,7 +177,7 @@ impl Gaps for SpaceGaps<'_> {
     }
 
     fn derivatives(&self) -> Derivatives {
-        let mut rows = self.raw_rows();
+        let mut rows = self.raw_rows(self.placed.gradients());
         let normals = self.normal_rows();
         parallel::each(Pieces::of(&mut rows, 1), FEW, &|_, rows| {
             rows.iter_mut().for_each(|row| self.put_in(row, &normals));
@@ -187,6 +186,20 @@ impl Gaps for SpaceGaps<'_> {
             values: self.values(),
             rows,
         }
+    }
+
+    fn at_rest(&self) -> Derivatives {
+        let found = self.placed.at_rest().into_iter();
+        let (gaps, gradients): (Vec<[f64; NODES]>, Vec<_>) = found.unzip();
+        let faces = self.placed.meetings.iter().map(|meeting| meeting.face);
+        let values = self.summed(faces.zip(&gaps));
+        let mut rows = self.raw_rows(gradients);
+        for row in &mut rows {
+            // Normals stay where they are.
+            row.retain(|&(column, _)| (column as usize) < self.unknowns);
+            add_equal_columns(row);
+        }
+        Derivatives { values, rows }
     }
 
     fn curvature(&self, factors: &[f64]) -> Vec<Row> {

@@ -9,7 +9,7 @@ use super::outline::whole;
 use super::pair::PlaceOf;
 use super::patch::{At, NODES, Patch};
 use super::point::{Block, Point, VECTORS, completed};
-use super::rays::Rayed;
+use super::rays::{Ray, Rayed, hit};
 use super::skin::SkinFace;
 use super::sums::SpaceGaps;
 use super::*;
@@ -98,6 +98,31 @@ fn derivatives_at_a_point_are_those_of_differences() {
 struct Bodies {
     pair: Pair,
     places: Vec<[f64; 3]>,
+}
+
+#[test]
+fn gaps_of_linear_bodies_have_the_derivatives_of_distances_along_rays_that_stay() {
+    let (face, other) = moved((0, 0), 0.0);
+    let point = at_point(&(face, other));
+    let (value, rows) = point.at_rest(&other);
+    let normal = face.normal(AT);
+    let facing = dot(normal, face.patch.area_vector(AT));
+    let distance = |(face, other): (Rayed, Patch)| {
+        let ray = Ray {
+            from: face.patch.point(AT),
+            along: normal,
+        };
+        facing * hit(&other, ray).expect("a hit").gap
+    };
+    assert!((value - distance((face, other))).abs() < 1e-14, "{value}");
+    let h = 1e-5;
+    for vector in 0..VECTORS {
+        for i in 0..3 {
+            let [before, after] = [-h, h].map(|by| distance(moved((vector, i), by)));
+            let slope = (after - before) / (2.0 * h);
+            assert!((rows[vector][i] - slope).abs() < 1e-8, "{vector} {i}");
+        }
+    }
 }
 
 /// The octahedron cut into `count`^2 triangles a side: corners of lattice points, counterclockwise from

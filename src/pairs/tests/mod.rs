@@ -11,6 +11,7 @@ use super::*;
 mod folds;
 mod gaps;
 mod meetings;
+mod rest;
 mod slips;
 
 /// Two surfaces with the places of their nodes: vertices, then edges by their bulges.
