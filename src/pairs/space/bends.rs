@@ -5,19 +5,12 @@
 
 use super::choice::Piece;
 use super::kinks::{self, Border, Kink, borders};
+use super::normals::Vector;
 use super::pair::{Meeting, Placed};
 use super::patch::{NODES, bernstein};
 use super::point::{Bend, Block, OTHER, VECTORS, completed};
+use super::rims::RimBend;
 use crate::geometry::vector3::{add, scale};
-
-/// What a vector of a face is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Vector {
-    /// A displacement node.
-    Node(u32),
-    /// A normal.
-    Normal(u32),
-}
 
 /// Second derivatives of a face.
 pub(super) struct FaceBend {
@@ -46,7 +39,15 @@ impl Placed<'_> {
         let of_pieces = meeting.pieces.iter();
         let of_pieces = of_pieces.map(|piece| self.vectors(meeting.face, piece));
         let of_pieces: Vec<[Vector; VECTORS]> = of_pieces.collect();
+        let pieces = meeting.pieces.iter();
+        let rims = pieces.flat_map(|piece| {
+            let points = self.rim_points(meeting.face, piece).into_iter();
+            points.map(|point| point.bend(self, (meeting.face, piece), factors))
+        });
+        let rims: Vec<RimBend> = rims.collect();
         let mut vectors = of_pieces.concat();
+        let of_rims = rims.iter().flat_map(|rim| &rim.motion);
+        vectors.extend(of_rims.map(|(vector, _)| *vector));
         vectors.sort_unstable();
         vectors.dedup();
         let mut sum = FaceBend {
@@ -64,6 +65,7 @@ impl Placed<'_> {
                 sum.add_kink(both, &kink);
             }
         }
+        rims.iter().for_each(|rim| sum.add_rim(rim));
         sum
     }
 
@@ -111,6 +113,30 @@ impl FaceBend {
                     let entries = row[3 * second..][..3].iter_mut();
                     entries.zip(block[i]).for_each(|(sum, own)| *sum += own);
                 }
+            }
+        }
+    }
+
+    /// A row of coordinates by vectors, of which some come twice.
+    fn row(&self, entries: &[(Vector, [f64; 3])]) -> Vec<f64> {
+        let mut row = vec![0.0; 3 * self.vectors.len()];
+        for (vector, own) in entries {
+            let place = 3 * self.place(*vector);
+            let sums = row[place..][..3].iter_mut();
+            sums.zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        row
+    }
+
+    fn add_rim(&mut self, rim: &RimBend) {
+        let both = [self.row(&rim.change), self.row(&rim.motion)];
+        let width = both[0].len();
+        for [p, q] in [[&both[0], &both[1]], [&both[1], &both[0]]] {
+            let rows = self.entries.chunks_exact_mut(width);
+            for (row, first) in rows.zip(p).filter(|(_, first)| **first != 0.0) {
+                let factor = rim.factor * first;
+                let entries = row.iter_mut().zip(q);
+                entries.for_each(|(sum, second)| *sum += factor * second);
             }
         }
     }

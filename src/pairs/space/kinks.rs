@@ -8,8 +8,8 @@
 //! d2G = sum over pieces of int psi d2a  -  sum over borders of int psi a_g dphi^2 / (n.grad phi) dl
 //! ```
 //!
-//! n out of the piece before. At a sharp kink this is all the curvature that there is. Borders where
-//! a surface ends have none: what is beyond them is far. Shapes: dphi by twenty-one vectors, nine of the
+//! n out of the piece before. At a sharp kink this is all the curvature that there is. Where a surface
+//! ends see [`super::rims`]. Shapes: dphi by twenty-one vectors, nine of the
 //! face and six of each partner. Cost: a border is known by its two ends, three points each.
 
 use super::choice::Piece;
@@ -57,7 +57,11 @@ fn is_same(a: At, b: At) -> bool {
 pub(super) fn borders(pieces: &[Piece]) -> Vec<Border> {
     let mut found = Vec::new();
     for (k, first) in pieces.iter().enumerate() {
-        for (ends, bulge) in sides(&first.polygon).filter(|([a, b], _)| !is_same(*a, *b)) {
+        let corners = first.polygon.iter().zip(sides(&first.polygon));
+        // Lines beyond rims move on their own.
+        let inside = corners.filter(|(corner, _)| corner.rim.is_none());
+        let inside = inside.map(|(_, side)| side);
+        for (ends, bulge) in inside.filter(|([a, b], _)| !is_same(*a, *b)) {
             let others = pieces.iter().enumerate().skip(k + 1);
             let beyond = others.filter(|(_, second)| second.other != first.other);
             let mut beyond = beyond.filter(|(_, second)| {
@@ -139,7 +143,7 @@ impl Point {
     }
 
     /// g_,1 and g_,2 along the face.
-    fn gap_slopes(&self, other: &Patch) -> [f64; 2] {
+    pub(super) fn gap_slopes(&self, other: &Patch) -> [f64; 2] {
         let (down, _) = self.across(other);
         self.carried().map(|along| dot(down, along))
     }

@@ -10,8 +10,9 @@
 //! between the unit normals at its corners, y on a face of the other surface; psi_j the six Bernstein
 //! functions. Bodies lie behind their faces. Pieces are the parts of a face whose rays meet one face of
 //! the other surface: its outline as the rays see it, clipped by the face. Derivatives are those at
-//! points of the face that stay where they are: what a piece gains at a border its neighbour loses. Second
-//! derivatives have the motion of the borders beside.
+//! points of the face that stay where they are: what a piece gains at a border its neighbour loses.
+//! Beside are the motion of the lines beyond rims, where surfaces end, and in second derivatives that of
+//! all borders.
 //! Lengths are those of the caller, G_j volumes.
 //!
 //! | file | part |
@@ -23,6 +24,8 @@
 //! | [`outline`] | polygons on a face |
 //! | [`choice`] | the pieces of a face |
 //! | [`point`] | the gap at a point and its derivatives |
+//! | `beyond` | where a surface goes on to beyond its rims |
+//! | `rims` | what lines beyond rims add to derivatives |
 //! | `kinks` | what borders between pieces add to second derivatives |
 //! | `bends` | second derivatives of a face |
 //! | [`pair`] | gaps of two surfaces, where they are |
@@ -31,6 +34,7 @@
 //! | [`probing`] | what is told of points |
 
 mod bends;
+mod beyond;
 pub mod choice;
 mod kinks;
 pub mod normals;
@@ -40,6 +44,7 @@ pub mod patch;
 pub mod point;
 pub mod probing;
 pub mod rays;
+mod rims;
 pub mod sides;
 pub mod skin;
 pub(super) mod sums;

@@ -19,6 +19,15 @@ use crate::geometry::vector3::{add, cross, dot, norm, scale};
 pub(super) type Row = Vec<(u32, f64)>;
 type Matrix = [[f64; 3]; 3];
 
+/// What a vector of a face is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Vector {
+    /// A displacement node.
+    Node(u32),
+    /// A normal.
+    Normal(u32),
+}
+
 /// A normal with its size before it has unit length.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Normal {

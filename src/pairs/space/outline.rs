@@ -33,6 +33,44 @@ pub struct Corner {
     pub at: At,
     /// m of the side to the next one.
     pub bulge: At,
+    /// What that side is a part of, if it lies beyond a rim.
+    pub rim: Option<Rim>,
+}
+
+/// A corner of a face of the other surface, or where the surface goes on to from there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Which of its corners.
+    pub corner: usize,
+    /// Whether it is beyond.
+    pub is_far: bool,
+}
+
+/// A part of a line beyond a rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rim {
+    /// The ends of the line.
+    pub ends: [Spot; 2],
+    /// Where on the line the part begins and ends.
+    pub part: [f64; 2],
+}
+
+impl Rim {
+    fn reversed(self) -> Self {
+        let [from, to] = self.part;
+        Self {
+            part: [to, from],
+            ..self
+        }
+    }
+
+    fn part(self, [from, to]: [f64; 2]) -> Self {
+        let [first, last] = self.part;
+        Self {
+            part: [from, to].map(|s| first + s * (last - first)),
+            ..self
+        }
+    }
 }
 
 /// Corners, one after the other.
@@ -49,19 +87,23 @@ pub struct Partner {
     pub beyond: [[f64; 3]; 3],
 }
 
-/// A side of a face in space: an edge by its two corners, or a line.
+/// A side of a face in space: an edge by its two corners, or a line beyond a rim.
 #[derive(Clone, Copy)]
 enum Side {
     Edge(usize, usize),
-    Line([f64; 3], [f64; 3]),
+    Line([Spot; 2]),
 }
 
 impl Partner {
     /// The sides around it in the order of its corners, beyond its rims.
     fn sides(&self) -> Vec<Side> {
         let mut sides = Vec::with_capacity(8);
-        let corner = |k: usize| self.patch.nodes[k % 3];
-        let far = |k: usize| add(corner(k), self.beyond[k % 3]);
+        let [corner, far] = [false, true].map(|is_far| {
+            move |k: usize| Spot {
+                corner: k % 3,
+                is_far,
+            }
+        });
         // Edges (0,1), (1,2), (2,0) by their numbers.
         let is_rim = |k: usize| self.rims[[0, 2, 1][k % 3]];
         for k in 0..3 {
@@ -70,11 +112,11 @@ impl Partner {
                 continue;
             }
             if !is_rim(k + 2) {
-                sides.push(Side::Line(corner(k), far(k)));
+                sides.push(Side::Line([corner(k), far(k)]));
             }
-            sides.push(Side::Line(far(k), far(k + 1)));
+            sides.push(Side::Line([far(k), far(k + 1)]));
             if !is_rim(k + 1) {
-                sides.push(Side::Line(far(k + 1), corner(k + 1)));
+                sides.push(Side::Line([far(k + 1), corner(k + 1)]));
             }
         }
         sides
@@ -86,21 +128,41 @@ impl Partner {
         for side in self.sides() {
             let place = |s: f64| face.below(self.on(side, s));
             let ends = [place(0.0), place(1.0)];
-            arcs(&place, ([0.0, 1.0], ends), HALVINGS, &mut polygon);
+            let traced = Traced {
+                place: &place,
+                line: match side {
+                    Side::Line(ends) => Some(ends),
+                    Side::Edge(..) => None,
+                },
+            };
+            traced.arcs(([0.0, 1.0], ends), HALVINGS, &mut polygon);
         }
         // The faces look at each other.
         let count = polygon.len();
-        let corner = |k: usize| Corner {
-            at: polygon[k].at,
-            bulge: polygon[(k + count - 1) % count].bulge,
+        let corner = |k: usize| {
+            let before = polygon[(k + count - 1) % count];
+            Corner {
+                at: polygon[k].at,
+                bulge: before.bulge,
+                rim: before.rim.map(Rim::reversed),
+            }
         };
         (0..count).rev().map(corner).collect()
+    }
+
+    fn spot(&self, spot: Spot) -> [f64; 3] {
+        let corner = self.patch.nodes[spot.corner];
+        if spot.is_far {
+            add(corner, self.beyond[spot.corner])
+        } else {
+            corner
+        }
     }
 
     fn on(&self, side: Side, s: f64) -> [f64; 3] {
         let between = |a, b| add(scale(1.0 - s, a), scale(s, b));
         match side {
-            Side::Line(a, b) => between(a, b),
+            Side::Line([a, b]) => between(self.spot(a), self.spot(b)),
             Side::Edge(i, j) => {
                 let straight = between(self.patch.nodes[i], self.patch.nodes[j]);
                 let edge = self.patch.nodes[2 + i + j];
@@ -116,35 +178,41 @@ fn on_side([a, b]: [At; 2], bulge: At, s: f64) -> At {
     [0, 1].map(|i| (1.0 - s) * a[i] + s * b[i] + rise * bulge[i])
 }
 
-/// Adds the parabolas of a part of a side.
-fn arcs(
-    place: &dyn Fn(f64) -> At,
-    ([from, to], ends): ([f64; 2], [At; 2]),
-    halvings: u32,
-    polygon: &mut Polygon,
-) {
-    let [a, b] = ends;
-    if is_beside(a, b) {
-        polygon.push(Corner {
-            at: a,
-            bulge: [0.0; 2],
+/// A side as rays see it.
+struct Traced<'a> {
+    place: &'a dyn Fn(f64) -> At,
+    /// The ends of the line that it is beyond a rim.
+    line: Option<[Spot; 2]>,
+}
+
+impl Traced<'_> {
+    fn corner(&self, at: At, bulge: At, part: [f64; 2]) -> Corner {
+        let rim = self.line.map(|ends| Rim { ends, part });
+        Corner { at, bulge, rim }
+    }
+
+    /// Adds the parabolas of a part of it.
+    fn arcs(&self, ([from, to], ends): ([f64; 2], [At; 2]), halvings: u32, polygon: &mut Polygon) {
+        let [a, b] = ends;
+        if is_beside(a, b) {
+            polygon.push(self.corner(a, [0.0; 2], [from, to]));
+            return;
+        }
+        let along = |s: f64| (self.place)(from + s * (to - from));
+        let middle = along(0.5);
+        let bulge = [0, 1].map(|i| middle[i] - 0.5 * (a[i] + b[i]));
+        let off = [0.25, 0.75].map(|s| {
+            let [at, near] = [along(s), on_side(ends, bulge, s)];
+            (at[0] - near[0]).hypot(at[1] - near[1])
         });
-        return;
+        if halvings == 0 || off[0].max(off[1]) <= OFF {
+            polygon.push(self.corner(a, bulge, [from, to]));
+            return;
+        }
+        let half = 0.5 * (from + to);
+        self.arcs(([from, half], [a, middle]), halvings - 1, polygon);
+        self.arcs(([half, to], [middle, b]), halvings - 1, polygon);
     }
-    let along = |s: f64| place(from + s * (to - from));
-    let middle = along(0.5);
-    let bulge = [0, 1].map(|i| middle[i] - 0.5 * (a[i] + b[i]));
-    let off = [0.25, 0.75].map(|s| {
-        let [at, near] = [along(s), on_side(ends, bulge, s)];
-        (at[0] - near[0]).hypot(at[1] - near[1])
-    });
-    if halvings == 0 || off[0].max(off[1]) <= OFF {
-        polygon.push(Corner { at: a, bulge });
-        return;
-    }
-    let half = 0.5 * (from + to);
-    arcs(place, ([from, half], [a, middle]), halvings - 1, polygon);
-    arcs(place, ([half, to], [middle, b]), halvings - 1, polygon);
 }
 
 /// l_0, l_1, l_2.
@@ -180,7 +248,7 @@ fn crossings([first, last]: [f64; 2], middle: f64) -> Vec<f64> {
 pub(super) fn clipped(polygon: &Polygon, inside: &dyn Fn(At) -> f64) -> Polygon {
     let mut kept = Polygon::with_capacity(polygon.len() + 2);
     let (mut first, mut was_inside, mut end) = (None, false, None);
-    for (ends, bulge) in sides(polygon) {
+    for (corner, (ends, bulge)) in polygon.iter().zip(sides(polygon)) {
         let values = ends.map(inside);
         let middle = inside(on_side(ends, bulge, 0.5)) - 0.5 * (values[0] + values[1]);
         let mut marks = vec![0.0];
@@ -197,6 +265,7 @@ pub(super) fn clipped(polygon: &Polygon, inside: &dyn Fn(At) -> f64) -> Polygon 
                 kept.push(Corner {
                     at: on_side(ends, bulge, part[0]),
                     bulge: bulge.map(|x| length * length * x),
+                    rim: corner.rim.map(|rim| rim.part([part[0], part[1]])),
                 });
                 end = Some(on_side(ends, bulge, part[1]));
             }
@@ -214,6 +283,7 @@ pub(super) fn straight(at: At) -> Corner {
     Corner {
         at,
         bulge: [0.0; 2],
+        rim: None,
     }
 }
 
@@ -328,6 +398,7 @@ mod tests {
         let corner = |&[x, y, m, n]: &[f64; 4]| Corner {
             at: [x, y],
             bulge: [m, n],
+            rim: None,
         };
         corners.iter().map(corner).collect()
     }

@@ -12,7 +12,7 @@ use super::point::{Point, VECTORS};
 use super::rays::Rayed;
 use super::skin::Skin;
 use crate::element::quadrature::{Rule, Simplex, rule};
-use crate::geometry::vector3::{add, dot, norm, scale};
+use crate::geometry::vector3::{add, dot, norm, scale, sub};
 use crate::pairs::tree::{Bounds, BoxTree};
 use crate::parallel;
 
@@ -119,7 +119,7 @@ impl Pair {
 
     /// The faces of the other surface with what they go on by.
     pub(super) fn candidates(&self, others: &[Patch]) -> Vec<Candidate> {
-        let beyond = self.other.beyond(others);
+        let skin = &self.other;
         let faces = self.other.faces.iter().zip(others).enumerate();
         let candidate =
             |(number, (face, &patch)): (usize, (&super::skin::SkinFace, &Patch))| Candidate {
@@ -127,7 +127,10 @@ impl Pair {
                 partner: Partner {
                     patch,
                     rims: face.rims,
-                    beyond: face.normals.map(|k| beyond[k as usize]),
+                    beyond: [0, 1, 2].map(|corner| {
+                        let far = skin.beyond[face.normals[corner] as usize];
+                        far.map_or([0.0; 3], |far| sub(far.place(others), patch.nodes[corner]))
+                    }),
                 },
                 normals: face.normals,
             };

@@ -16,12 +16,6 @@ use crate::geometry::vector3::{add, dot, norm, normalised, scale, sub};
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
-/// Share of a face by which a surface goes on beyond its rim.
-const BEYOND: f64 = 0.3;
-/// Least 1 + cosine between the directions across two rims at their corner, which bounds how far it
-/// goes on: 120 degrees.
-const SHARPEST: f64 = 0.5;
-
 /// Places of the middles of the edges.
 const MIDDLES: [At; 3] = [[0.5, 0.0], [0.0, 0.5], [0.5, 0.5]];
 
@@ -47,6 +41,15 @@ pub struct Fan {
     pub walls: [bool; 3],
 }
 
+/// Where a surface goes on to from a corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Far {
+    /// A face that has the corner.
+    pub face: u32,
+    /// Shares of its three corners.
+    pub shares: [f64; 3],
+}
+
 /// Faces in the order in which they were given.
 #[derive(Clone, Debug, Default)]
 pub struct Skin {
@@ -54,6 +57,8 @@ pub struct Skin {
     pub faces: Vec<SkinFace>,
     /// Normals.
     pub fans: Vec<Fan>,
+    /// Where it goes on to beyond its rims, by the numbers of normals; none inside.
+    pub beyond: Vec<Option<Far>>,
 }
 
 impl Skin {
@@ -74,7 +79,7 @@ impl Skin {
         };
         let mut skin = Self {
             faces: facets.iter().map(bare).collect(),
-            fans: Vec::new(),
+            ..Self::default()
         };
         let at_rest = |node: u32| match (node as usize).checked_sub(space.vertices) {
             None => mesh.coordinates()[node as usize],
@@ -114,6 +119,10 @@ impl Skin {
             self.share(first, second, &mut label);
         }
         self.number(&mut label);
+        let patches = self.faces.iter().map(|face| Patch {
+            nodes: face.nodes.map(at_rest),
+        });
+        self.beyond = self.found_beyond(&patches.collect::<Vec<_>>());
     }
 
     /// Joins the corners at the ends of a common edge.
@@ -170,45 +179,10 @@ impl Skin {
         }
         self
     }
-
-    /// How far the surface goes on at the corners of its rims, by the numbers of their normals, where
-    /// its faces are `patches`; zero inside.
-    pub(super) fn beyond(&self, patches: &[Patch]) -> Vec<[f64; 3]> {
-        let mut sums = vec![([0.0; 3], 0.0, 0.0_f64); self.fans.len()];
-        for (face, patch) in self.faces.iter().zip(patches) {
-            let [a, b, c, ..] = patch.nodes;
-            let rims = EDGES
-                .into_iter()
-                .zip(face.rims)
-                .filter(|(_, is_rim)| *is_rim);
-            for (ends, _) in rims {
-                let outward = across(&[a, b, c], ends);
-                let Some(unit) = normalised(outward) else {
-                    continue;
-                };
-                for end in ends {
-                    let (sum, height, count) = &mut sums[face.normals[end] as usize];
-                    *sum = add(*sum, unit);
-                    *height += norm(outward);
-                    *count += 1.0;
-                }
-            }
-        }
-        let one = |(sum, height, count): ([f64; 3], f64, f64)| {
-            if count == 0.0 {
-                return [0.0; 3];
-            }
-            let mean = scale(count.recip(), sum);
-            // At the corner of two rims as far from both.
-            let square = dot(mean, mean).max(0.5 * SHARPEST);
-            scale(BEYOND * height / count / square, mean)
-        };
-        sums.into_iter().map(one).collect()
-    }
 }
 
 /// From an edge of a flat triangle straight outwards, as long as the triangle is high there.
-fn across(corners: &[[f64; 3]; 3], [i, j]: [usize; 2]) -> [f64; 3] {
+pub(super) fn across(corners: &[[f64; 3]; 3], [i, j]: [usize; 2]) -> [f64; 3] {
     let opposite = corners[3 - i - j];
     let along = sub(corners[j], corners[i]);
     let inwards = sub(opposite, corners[i]);

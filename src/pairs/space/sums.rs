@@ -10,8 +10,8 @@
 
 use std::sync::OnceLock;
 
-use super::bends::{FaceBend, Vector};
-use super::normals::{FanAt, Row};
+use super::bends::FaceBend;
+use super::normals::{FanAt, Row, Vector};
 use super::pair::{Gradients, Placed, Totals};
 use super::patch::NODES;
 use super::skin::Skin;
@@ -116,6 +116,29 @@ impl SpaceGaps<'_> {
         add_equal_columns(row);
     }
 
+    /// Adds what lines beyond rims do to the rows of gaps by nodes and normals.
+    fn add_rims(&self, rows: &mut [Row]) {
+        let placed = self.placed;
+        let found = parallel::map(placed.meetings.len(), FEW, &|k| {
+            let meeting = &placed.meetings[k];
+            let pieces = meeting.pieces.iter();
+            let points = pieces.flat_map(|piece| placed.rim_points(meeting.face, piece));
+            points.collect::<Vec<_>>()
+        });
+        for (meeting, points) in placed.meetings.iter().zip(found) {
+            for point in points {
+                let functions = self.functions[meeting.face].iter();
+                for (&function, factor) in functions.zip(point.swept()) {
+                    let entries = point.motion.iter().flat_map(|&(vector, own)| {
+                        let first = self.column(vector);
+                        (0..3).map(move |i| (first + i, factor * own[i as usize]))
+                    });
+                    rows[function as usize].extend(entries);
+                }
+            }
+        }
+    }
+
     /// Rows of gaps by nodes and normals `[functions]`.
     fn raw_rows(&self, found: Vec<Vec<Gradients>>) -> Vec<Row> {
         let mut rows = vec![Row::new(); self.count];
@@ -178,6 +201,7 @@ impl Gaps for SpaceGaps<'_> {
 
     fn derivatives(&self) -> Derivatives {
         let mut rows = self.raw_rows(self.placed.gradients());
+        self.add_rims(&mut rows);
         let normals = self.normal_rows();
         parallel::each(Pieces::of(&mut rows, 1), FEW, &|_, rows| {
             rows.iter_mut().for_each(|row| self.put_in(row, &normals));

@@ -17,6 +17,8 @@ use crate::element::quadrature::{Simplex, rule};
 use crate::geometry::vector3::{add, cross, dot, norm, scale};
 use crate::pairs::between::Gaps;
 
+mod rims;
+
 /// Numbers in \[-1, 1\] that follow each other without order.
 fn scattered(k: usize) -> f64 {
     2.0 * ((k as f64 + 1.0) * 0.618_033_988_749_895).fract() - 1.0

@@ -2,6 +2,7 @@
 
 mod balls;
 mod boxes;
+mod edges;
 mod mirrors;
 mod patches;
 mod turns;
