@@ -4,9 +4,10 @@
 Bodies in the plane, about an axis and in space, linear and of rubber, pulled or pressed by smooth and edged tools. Each
 scene is solved on a coarse mesh and on refinements of it, all edges halved; the finest one, extrapolated where the
 values settle, tells the true errors of those before it. With `--adapted` the mesh is refined for the goal to a
-fiftieth of the first bound in the place of that, and the last mesh tells those of the meshes before it.
+fiftieth of the first bound in the place of that, and the last mesh tells those of the meshes before it. With `--rough`
+tools have friction and move sideways, too, in one increment; scenes without a tool are left out.
 
-usage: bounds.py [COUNT [SEED]] [--adapted] [--save FILE]
+usage: bounds.py [COUNT [SEED]] [--adapted | --rough] [--save FILE]
 SIGNORINI names the program. Needs `pip install gmsh`.
 """
 import argparse
@@ -163,6 +164,17 @@ def scene(rng, folder):
     return text, goal, f"{kind} {law_name} {name} {'bonded' if is_bonded else 'sliding'}"
 
 
+def rough(rng, text):
+    """The scene with friction and a way to the side."""
+    if "[[obstacle]]" not in text:
+        raise RuntimeError("no tool")
+    text = text.replace('name = "tool"\n', f'name = "tool"\nfriction = {rng.uniform(0.1, 0.6)}\n')
+    text = text.replace("increments = 2", "increments = 1").replace("increments = 3", "increments = 1")
+    if 'kind = "axisymmetric"' in text:
+        return text
+    return text.replace("translation = [0.0", f"translation = [{rng.uniform(0.005, 0.03)}")
+
+
 def write(folder, text):
     (folder / "scene.toml").write_text('name = "bound"\n' + text)
 
@@ -238,7 +250,9 @@ def main():
     asked = argparse.ArgumentParser()
     asked.add_argument("count", nargs="?", type=int, default=60)
     asked.add_argument("seed", nargs="?", type=int, default=1)
-    asked.add_argument("--adapted", action="store_true")
+    kinds = asked.add_mutually_exclusive_group()
+    kinds.add_argument("--adapted", action="store_true")
+    kinds.add_argument("--rough", action="store_true")
     asked.add_argument("--save")
     asked = asked.parse_args()
     ratios, estimates, failed = [], [], 0
@@ -248,6 +262,7 @@ def main():
             folder = Path(folder)
             text, goal, name = scene(rng, folder)
             try:
+                text = rough(rng, text) if asked.rough else text
                 meshes, reference = (adapted if asked.adapted else uniform)(folder, text, goal)
             except (RuntimeError, subprocess.SubprocessError) as error:
                 failed += 1
