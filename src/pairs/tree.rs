@@ -49,6 +49,11 @@ impl Bounds {
         sides.map(|side| side * side).sum::<f64>().sqrt()
     }
 
+    /// Their centre.
+    pub fn centre(&self) -> [f64; 3] {
+        std::array::from_fn(|axis| self.middle(axis))
+    }
+
     fn middle(&self, axis: usize) -> f64 {
         0.5 * (self.low[axis] + self.high[axis])
     }
@@ -114,18 +119,24 @@ impl BoxTree {
 
     /// The boxes that meet `region`, ascending.
     pub fn meeting(&self, region: &Bounds) -> Vec<u32> {
+        self.meeting_where(&|bounds| bounds.meets(region))
+    }
+
+    /// The boxes that meet a region, ascending: whether bounds do is told for single boxes and for what
+    /// encloses some.
+    pub fn meeting_where(&self, meets: &dyn Fn(&Bounds) -> bool) -> Vec<u32> {
         let mut found = Vec::new();
         let mut open = vec![self.nodes.len() - 1];
         while let Some(node) = open.pop() {
             let node = &self.nodes[node];
-            if !node.bounds.meets(region) {
+            if !meets(&node.bounds) {
                 continue;
             }
             match &node.content {
                 Content::Halves(halves) => open.extend(halves),
                 Content::Boxes(own) => {
-                    let meets = |one: &&u32| self.boxes[**one as usize].meets(region);
-                    found.extend(own.iter().filter(meets));
+                    let own = own.iter();
+                    found.extend(own.filter(|&&one| meets(&self.boxes[one as usize])));
                 }
             }
         }

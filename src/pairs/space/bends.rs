@@ -1,7 +1,8 @@
-//! Second derivatives of sum_j factor_j G_j of a face, with all its pieces and borders.
+//! Second derivatives of sum_j factor_j G_j of a face, some of its pieces with their borders at a time.
 //!
 //! Shapes: by vectors, the nodes and normals of the face, then the nodes of its partners, each once;
-//! `[vectors][3][vectors][3]`. Cost: some 5 us a point, 1 us a point of a border.
+//! `[vectors][3][vectors][3]`: a face that meets many small ones has a bounded part of them at a time.
+//! Cost: some 5 us a point, 1 us a point of a border.
 
 use super::choice::Piece;
 use super::kinks::{self, Border, Kink, borders};
@@ -12,7 +13,41 @@ use super::point::{Bend, Block, OTHER, VECTORS, completed};
 use super::rims::RimBend;
 use crate::geometry::vector3::{add, scale};
 
-/// Second derivatives of a face.
+/// Pieces whose second derivatives are summed at a time.
+const TOGETHER: usize = 16;
+
+/// Some pieces of a face.
+pub(super) struct Part<'a> {
+    pub(super) meeting: &'a Meeting,
+    /// Borders with their lower number among the pieces.
+    borders: Vec<Border>,
+    pieces: std::ops::Range<usize>,
+}
+
+/// All pieces of a meeting by parts.
+pub(super) fn parts(meeting: &Meeting) -> Vec<Part<'_>> {
+    parts_of(meeting, TOGETHER)
+}
+
+/// Parts of so many pieces.
+pub(super) fn parts_of(meeting: &Meeting, together: usize) -> Vec<Part<'_>> {
+    let all = borders(&meeting.pieces);
+    let firsts = (0..meeting.pieces.len()).step_by(together.max(1));
+    let part = |first: usize| {
+        let pieces = first..meeting.pieces.len().min(first.saturating_add(together));
+        let own = all
+            .iter()
+            .filter(|border| pieces.contains(&border.pieces[0]));
+        Part {
+            meeting,
+            borders: own.copied().collect(),
+            pieces,
+        }
+    };
+    firsts.map(part).collect()
+}
+
+/// Second derivatives of a part of a face.
 pub(super) struct FaceBend {
     /// Its vectors.
     pub(super) vectors: Vec<Vector>,
@@ -34,20 +69,21 @@ impl Placed<'_> {
         })
     }
 
-    /// Second derivatives of sum_j factor_j G_j of the face of a meeting.
-    pub(super) fn face_bend(&self, meeting: &Meeting, factors: [f64; NODES]) -> FaceBend {
-        let of_pieces = meeting.pieces.iter();
-        let of_pieces = of_pieces.map(|piece| self.vectors(meeting.face, piece));
-        let of_pieces: Vec<[Vector; VECTORS]> = of_pieces.collect();
-        let pieces = meeting.pieces.iter();
-        let rims = pieces.flat_map(|piece| {
+    /// Second derivatives of sum_j factor_j G_j of a part of a face.
+    pub(super) fn face_bend(&self, part: &Part<'_>, factors: [f64; NODES]) -> FaceBend {
+        let meeting = part.meeting;
+        let pieces = &meeting.pieces[part.pieces.clone()];
+        let of_piece = |k: usize| self.vectors(meeting.face, &meeting.pieces[k]);
+        let rims = pieces.iter().flat_map(|piece| {
             let points = self.rim_points(meeting.face, piece).into_iter();
             points.map(|point| point.bend(self, (meeting.face, piece), factors))
         });
         let rims: Vec<RimBend> = rims.collect();
-        let mut vectors = of_pieces.concat();
+        let beyond = part.borders.iter().map(|border| border.pieces[1]);
+        let of_pieces = part.pieces.clone().chain(beyond).flat_map(of_piece);
         let of_rims = rims.iter().flat_map(|rim| &rim.motion);
-        vectors.extend(of_rims.map(|(vector, _)| *vector));
+        let of_rims = of_rims.map(|(vector, _)| *vector);
+        let mut vectors: Vec<Vector> = of_pieces.chain(of_rims).collect();
         vectors.sort_unstable();
         vectors.dedup();
         let mut sum = FaceBend {
@@ -55,14 +91,14 @@ impl Placed<'_> {
             vectors,
             by_normals: [[0.0; 3]; 3],
         };
-        for (piece, own) in meeting.pieces.iter().zip(&of_pieces) {
+        for (piece, k) in pieces.iter().zip(part.pieces.clone()) {
             let bend = self.bend((meeting.face, piece), factors, &mut sum.by_normals);
-            sum.add_piece(own, &bend);
+            sum.add_piece(&of_piece(k), &bend);
         }
-        for border in borders(&meeting.pieces) {
-            let both = border.pieces.map(|k| &of_pieces[k]);
+        for &border in &part.borders {
+            let [first, second] = border.pieces.map(of_piece);
             for kink in self.kinks((meeting, border), factors) {
-                sum.add_kink(both, &kink);
+                sum.add_kink([&first, &second], &kink);
             }
         }
         rims.iter().for_each(|rim| sum.add_rim(rim));

@@ -12,7 +12,7 @@ use super::point::{Point, VECTORS};
 use super::rays::Rayed;
 use super::skin::Skin;
 use crate::element::quadrature::{Rule, Simplex, rule};
-use crate::geometry::vector3::{add, dot, norm, scale, sub};
+use crate::geometry::vector3::{add, cross, dot, norm, scale, sub};
 use crate::pairs::tree::{Bounds, BoxTree};
 use crate::parallel;
 
@@ -97,7 +97,8 @@ impl Pair {
         let boxes = candidates.iter().map(|own| bounds(&own.partner));
         let tree = BoxTree::new(boxes.collect());
         let found = parallel::map(own.len(), FEW, &|face| {
-            let near = tree.meeting(&swept(&own[face], WIDE * reach));
+            let swept = Swept::of(&own[face], WIDE * reach);
+            let near = tree.meeting_where(&|bounds| swept.meets(bounds));
             let near = near.iter().map(|&k| candidates[k as usize]);
             pieces(&own[face], &near.collect::<Vec<_>>(), reach)
         });
@@ -274,20 +275,45 @@ fn bounds(partner: &Partner) -> Bounds {
     Bounds::of(partner.patch.hull().into_iter().chain(beyond))
 }
 
-/// Bounds of what the rays of a face reach: between directions each is a sum of all with factors that
-/// add up to at most the reciprocal of the least cosine with their mean.
-fn swept(face: &Rayed, reach: f64) -> Bounds {
-    let mean = face.normal([1.0 / 3.0; 2]);
-    let size = norm(mean);
-    let cosines = face.normals.iter().map(|n| dot(*n, mean) / size);
-    let far = reach / cosines.fold(1.0, f64::min).max(0.1);
-    let mut corners = Vec::with_capacity(36);
-    for x in face.patch.hull() {
-        for normal in face.normals {
-            for way in [far, -far] {
-                corners.push(add(x, scale(way, normal)));
+/// What the rays of a face reach: bounds, and a cylinder about the mean ray: a surface that is
+/// turned against the axes has a part of itself in the bounds of long rays, whatever its mesh.
+struct Swept {
+    bounds: Bounds,
+    /// The middle of the face.
+    from: [f64; 3],
+    /// Unit vector along the mean ray.
+    along: [f64; 3],
+    radius: f64,
+}
+
+impl Swept {
+    /// Of the rays up to `reach`: between directions each is a sum of all with factors that add up to at
+    /// most the reciprocal of the least cosine with their mean.
+    fn of(face: &Rayed, reach: f64) -> Self {
+        let centre = [1.0 / 3.0; 2];
+        let (from, mean) = (face.patch.point(centre), face.normal(centre));
+        let along = scale(norm(mean).recip(), mean);
+        let cosines = face.normals.iter().map(|n| dot(*n, along));
+        let far = reach / cosines.fold(1.0, f64::min).max(0.1);
+        let mut ends = Vec::with_capacity(36);
+        for x in face.patch.hull() {
+            for normal in face.normals {
+                for way in [far, -far] {
+                    ends.push(add(x, scale(way, normal)));
+                }
             }
         }
+        let beside = |x: &[f64; 3]| norm(cross(along, sub(*x, from)));
+        Self {
+            radius: ends.iter().map(beside).fold(0.0, f64::max),
+            bounds: Bounds::of(ends),
+            from,
+            along,
+        }
     }
-    Bounds::of(corners)
+
+    fn meets(&self, bounds: &Bounds) -> bool {
+        let beside = norm(cross(self.along, sub(bounds.centre(), self.from)));
+        bounds.meets(&self.bounds) && beside <= self.radius + 0.5 * bounds.diagonal()
+    }
 }

@@ -10,7 +10,7 @@
 
 use std::sync::OnceLock;
 
-use super::bends::FaceBend;
+use super::bends::{FaceBend, Part, parts};
 use super::normals::{FanAt, Row, Vector};
 use super::pair::{Gradients, Placed, Totals};
 use super::patch::NODES;
@@ -22,6 +22,10 @@ use crate::parallel::{self, Pieces};
 
 /// Fewer rows are not worth a second thread.
 const FEW: usize = 16;
+/// Parts of faces whose second derivatives are held at once.
+const AT_ONCE: usize = 64;
+/// Entries of a row over what is left of it where equal columns are summed, without unit; chosen.
+const LONG: usize = 4;
 
 /// Two surfaces where they are, function by function.
 pub(in crate::pairs) struct SpaceGaps<'a> {
@@ -168,15 +172,22 @@ impl SpaceGaps<'_> {
         let loaded: Vec<_> = loaded
             .filter(|meeting| of_face(meeting.face).iter().any(|factor| *factor != 0.0))
             .collect();
-        let found = parallel::map(loaded.len(), 1, &|k| {
-            placed.face_bend(loaded[k], of_face(loaded[k].face))
-        });
-        for (meeting, bend) in loaded.into_iter().zip(found) {
-            let normals = self.skin().faces[meeting.face].normals;
-            for (normal, own) in normals.into_iter().zip(bend.by_normals) {
-                (0..3).for_each(|i| by_normals[normal as usize][i] += own[i]);
+        let parts: Vec<Part<'_>> = loaded.into_iter().flat_map(parts).collect();
+        let mut settled = vec![0; rows.len()];
+        for parts in parts.chunks(AT_ONCE) {
+            let found = parallel::map(parts.len(), 1, &|k| {
+                placed.face_bend(&parts[k], of_face(parts[k].meeting.face))
+            });
+            for (part, bend) in parts.iter().zip(found) {
+                let normals = self.skin().faces[part.meeting.face].normals;
+                for (normal, own) in normals.into_iter().zip(bend.by_normals) {
+                    (0..3).for_each(|i| by_normals[normal as usize][i] += own[i]);
+                }
+                self.add_bend(&bend, &mut rows);
             }
-            self.add_bend(&bend, &mut rows);
+            for (row, settled) in rows.iter_mut().zip(&mut settled) {
+                shorten(row, settled);
+            }
         }
         (rows, by_normals)
     }
@@ -189,8 +200,16 @@ impl SpaceGaps<'_> {
         let entries = bend.entries.chunks_exact(columns.len());
         for (&row, entries) in columns.iter().zip(entries) {
             let entries = columns.iter().copied().zip(entries.iter().copied());
-            rows[row as usize].extend(entries);
+            rows[row as usize].extend(entries.filter(|(_, value)| *value != 0.0));
         }
+    }
+}
+
+/// Sums equal columns of a row that has grown to many times what was left of it before.
+fn shorten(row: &mut Row, settled: &mut usize) {
+    if row.len() > LONG * (1 + *settled) {
+        add_equal_columns(row);
+        *settled = row.len();
     }
 }
 

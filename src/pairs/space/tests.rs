@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use super::bends::parts_of;
 use super::choice::{Candidate, pieces};
 use super::normals::{FanAt, normals};
 use super::outline::whole;
@@ -380,10 +381,13 @@ fn a_tree_of_faces_finds_what_a_look_at_all_of_them_finds() {
     let place: &PlaceOf<'_> = &|node: u32| bodies.places[node as usize];
     let placed = bodies.pair.placed(place);
     let all: Vec<Candidate> = bodies.pair.candidates(&placed.others);
-    for meeting in &placed.meetings {
-        let found = pieces(&placed.own[meeting.face], &all, placed.reach);
-        assert_eq!(found.len(), meeting.pieces.len());
-        for (a, b) in found.iter().zip(&meeting.pieces) {
+    for (face, own) in placed.own.iter().enumerate() {
+        let found = pieces(own, &all, placed.reach);
+        let mut meetings = placed.meetings.iter();
+        let meeting = meetings.find(|meeting| meeting.face == face);
+        let by_tree = meeting.map_or(&[][..], |meeting| &meeting.pieces);
+        assert_eq!(found.len(), by_tree.len());
+        for (a, b) in found.iter().zip(by_tree) {
             assert_eq!((a.other, &a.polygon), (b.other, &b.polygon));
         }
     }
@@ -391,7 +395,40 @@ fn a_tree_of_faces_finds_what_a_look_at_all_of_them_finds() {
 
 #[test]
 fn second_derivatives_are_those_of_differences_with_the_motion_of_the_borders() {
-    let bodies = balls(3, 2);
+    assert_bends(&balls(3, 2), 41);
+}
+
+/// Faces of the ball meet more faces than are summed together.
+#[test]
+fn parts_of_a_face_have_the_second_derivatives_of_all_of_it() {
+    let bodies = balls(1, 6);
+    let factors = [0.7, 1.1, 1.3, 0.4, 1.9, 0.8];
+    bodies.see(|gaps| {
+        let placed = gaps.placed();
+        let meeting = &placed.meetings[0];
+        let [whole, parted] = [usize::MAX, 5].map(|together| {
+            let mut sums = BTreeMap::new();
+            for part in parts_of(meeting, together) {
+                let bend = placed.face_bend(&part, factors);
+                let width = 3 * bend.vectors.len();
+                for (k, value) in bend.entries.iter().enumerate() {
+                    let [row, column] = [k / width, k % width];
+                    let at = |k: usize| (bend.vectors[k / 3], k % 3);
+                    *sums.entry((at(row), at(column))).or_insert(0.0) += value;
+                }
+            }
+            sums
+        });
+        assert!(meeting.pieces.len() > 20);
+        for (at, value) in &whole {
+            let own = parted.get(at).copied().unwrap_or_default();
+            assert!((own - value).abs() < 1e-13, "{at:?} {value} {own}");
+        }
+    });
+}
+
+/// Asserts that second derivatives are differences of first ones by every `step`th unknown.
+fn assert_bends(bodies: &Bodies, step: usize) {
     let count = 6 * bodies.pair.carrier.faces.len();
     let factors: Vec<f64> = (0..count).map(|k| 1.0 + 0.5 * scattered(k)).collect();
     let force = |bodies: &Bodies| {
@@ -405,7 +442,7 @@ fn second_derivatives_are_those_of_differences_with_the_motion_of_the_borders() 
     };
     let rows = bodies.see(|gaps| gaps.curvature(&factors));
     let (h, mut worst) = (1e-5, [0.0_f64; 3]);
-    for unknown in (0..rows.len()).step_by(41) {
+    for unknown in (0..rows.len()).step_by(step) {
         let mut own = vec![0.0; rows.len()];
         rows[unknown]
             .iter()
