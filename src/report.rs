@@ -396,7 +396,7 @@ pub struct StepReport {
     pub fluids: BTreeMap<String, FluidResult>,
     /// Goals of the scene; empty where it has none or there is no answer.
     pub goals: Vec<GoalReport>,
-    /// Why goals have no answer; none where they have, or there are none.
+    /// Which goals or parameters have no answer, and why; none where all have, or there are none.
     pub goals_refused: Option<String>,
     /// Values at each probe, by its name.
     pub probes: BTreeMap<String, ProbeResult>,

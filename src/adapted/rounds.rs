@@ -7,7 +7,7 @@ use super::accuracy::{Accuracy, Target};
 use super::error::AdaptionError;
 use super::judge::{self, Judge};
 use super::round::{End, GoalRound, Round};
-use crate::goals::GoalError;
+use crate::goals::{GoalError, History};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::prepare::Prepared;
@@ -157,7 +157,7 @@ fn first(problem: Problem<'_>, watch: &mut Watch<'_>) -> Result<Present, Adaptio
     let scene = without_questions(problem.scene);
     let plan = Arc::new(Plan::new(&scene, problem.steps, problem.mesh)?);
     if plan.has_friction() {
-        return Err(GoalError::NeedsHistory("friction").into());
+        return Err(GoalError::NeedsHistory(History::Carried).into());
     }
     let prepared = Arc::new(Prepared::build(&plan, problem.mesh, watch.cancel)?);
     let mesh = plan.body_mesh(problem.mesh);

@@ -2,10 +2,10 @@
 
 use super::border::borderline;
 use super::bound::bound;
-use super::dual::{Dual, dual};
-use super::error::GoalError;
+use super::dual::{Dual, Purpose, dual};
+use super::error::{GoalError, History};
 use super::freed::Freed;
-use super::gradient::{Answered, Free, gradients};
+use super::gradient::{Answered, Derived, Free, gradients};
 use super::history::refuse_history;
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
@@ -13,6 +13,7 @@ use crate::model::push::{Control, Part};
 use crate::model::state::State;
 use crate::report::{GoalBound, GoalReport};
 use crate::scene::{Goal, GoalErrors, GoalKind, GoalQuestions, Parameter};
+use crate::sqp::fields::Fields;
 use crate::sqp::increment;
 use crate::sqp::program::QuadraticProgram;
 use crate::sqp::run::Run;
@@ -21,51 +22,146 @@ use crate::sqp::run::Run;
 /// asked for.
 const EQUILIBRIUM: f64 = 1e-3;
 
-/// Answers `questions` at the state of `run`, each goal once with all that is asked of it.
+/// Answers to questions, and why others have none.
+#[derive(Default)]
+pub(crate) struct Answers {
+    /// Each goal once.
+    pub(crate) goals: Vec<GoalReport>,
+    /// Of goals, of parameters of all of them, or of what a state knows.
+    pub(crate) refused: Vec<GoalError>,
+    /// Dual solutions of the goals.
+    pub(crate) duals: Vec<(String, Fields)>,
+}
+
+/// Answers `questions` at the state of `run`, each goal once with all that is asked of it. What has no
+/// answer keeps nothing else from having one.
 ///
 /// # Errors
-/// [`GoalError`].
-pub(crate) fn answer(
-    run: &mut Run<'_>,
-    questions: &[GoalQuestions],
-) -> Result<Vec<GoalReport>, GoalError> {
-    let asked = Asked::of(questions);
-    refuse_history((&run.model, &*run.state), !asked.parameters.is_empty())?;
+/// [`GoalError`] where nothing has an answer, and where it was stopped.
+pub(crate) fn answer(run: &mut Run<'_>, questions: &[GoalQuestions]) -> Result<Answers, GoalError> {
+    let mut asked = Asked::of(questions);
+    let mut answers = Answers::default();
+    let asks_for_derivatives = !asked.parameters.is_empty();
+    match refuse_history((&run.model, &*run.state), asks_for_derivatives) {
+        // Values and bounds are those of the last increment's own problem.
+        Err(error @ GoalError::NeedsHistory(History::Friction)) => {
+            asked.parameters.clear();
+            answers.refused.push(error);
+        }
+        other => other?,
+    }
     let now = run.evaluate();
     refuse_unbalanced(run, &now)?;
     let mut program = QuadraticProgram::new(run, &now, None, &mut 0.0);
-    let duals = all(run, &mut program, asked.goals.iter())?;
-    let pushes = asked.pushes(&run.model, run.state)?;
-    let goals = pushes.iter().map(|(_, goal)| goal);
-    let pushed = all(run, &mut program, goals)?;
-    let controls: Vec<Control> = pushes.iter().map(|(control, _)| *control).collect();
-    let answered = Answered {
-        goals: &duals,
-        pushed: &pushed,
-        controls: &controls,
-    };
-    let free = Free::new((&run.model, &*run.state), &answered)?;
-    let derived = gradients(run, (&answered, &free), &asked.parameters)?;
+    // Those of other programs.
+    run.learned.directions.clear(run.work);
+    let duals = all(run, &mut program, (&asked, &mut answers.refused))?;
+    let freeing = Freeing::new(run, &mut program, (&asked, &duals));
+    let freeing = freeing.or_else(|error| answers.leave_out(error))?;
     let at = At {
         borderline: borderline(&run.model, run.state, &now),
         now,
     };
-    let shares = free.shares(duals.len());
-    let mut nodes = derived.nodes.into_iter();
-    let all = duals.iter().zip(&shares).zip(derived.rows);
-    let report = |((dual, shares), derivatives): ((&Dual, &Vec<f64>), Vec<f64>)| {
-        let freed = Freed::new(dual, &pushed, shares);
-        GoalReport {
-            derivatives: asked.named(&dual.name, derivatives),
-            by_nodes: nodes.next().filter(|_| asked.by_nodes(&dual.name)),
-            ..at.report(
-                (&run.model, &*run.state),
-                (dual, &freed),
-                asked.errors(&dual.name),
-            )
+    match freeing {
+        Some(freeing) => {
+            let derived = freeing.derived(run, (&asked, &duals))?;
+            let of_goal = |place: usize, dual: &Dual| GoalReport {
+                derivatives: asked.named((place, &dual.name), &derived),
+                by_nodes: (derived.nodes.get(place).cloned())
+                    .filter(|_| asked.by_nodes(&dual.name)),
+                ..at.report(
+                    (&run.model, &*run.state),
+                    (dual, &freeing.freed(place, dual)),
+                    asked.errors(&dual.name),
+                )
+            };
+            let all = duals.iter().enumerate();
+            answers.goals = all.map(|(place, dual)| of_goal(place, dual)).collect();
+            answers.refused.extend(derived.refused);
         }
-    };
-    Ok(all.map(report).collect())
+        None => {
+            let model = (&run.model, &*run.state);
+            let value =
+                |dual| at.report(model, (dual, &Freed::new(dual, &[], &[])), GoalErrors::Left);
+            answers.goals = duals.iter().map(value).collect();
+        }
+    }
+    let solved = duals.into_iter();
+    answers.duals = solved
+        .map(|one| (one.name.to_string(), one.fields))
+        .collect();
+    Ok(answers)
+}
+
+impl Answers {
+    /// Leaves something out that others do not need.
+    ///
+    /// # Errors
+    /// [`GoalError::Stopped`].
+    fn leave_out<T>(&mut self, error: GoalError) -> Result<Option<T>, GoalError> {
+        if matches!(error, GoalError::Stopped(_)) {
+            return Err(error);
+        }
+        self.refused.push(error);
+        Ok(None)
+    }
+}
+
+/// What frees goals of the poses that follow from pushes.
+struct Freeing {
+    /// What obstacles are pushed by.
+    pushed: Vec<Dual>,
+    controls: Vec<Control>,
+    free: Free,
+    /// What each goal has of each push.
+    shares: Vec<Vec<f64>>,
+}
+
+impl Freeing {
+    /// None is needed where nothing is pushed.
+    fn new(
+        run: &mut Run<'_>,
+        program: &mut QuadraticProgram<'_>,
+        (asked, duals): (&Asked<'_>, &[Dual]),
+    ) -> Result<Option<Self>, GoalError> {
+        let pushes = asked.pushes(&run.model, run.state)?;
+        let purpose = asked.purpose();
+        let pushed = pushes
+            .iter()
+            .map(|(_, goal)| dual(run, program, (goal, purpose)));
+        let pushed: Vec<Dual> = pushed.collect::<Result<_, _>>()?;
+        let controls: Vec<Control> = pushes.iter().map(|(control, _)| *control).collect();
+        let answered = Answered {
+            goals: duals,
+            pushed: &pushed,
+            controls: &controls,
+        };
+        let free = Free::new((&run.model, &*run.state), &answered)?;
+        Ok(Some(Self {
+            shares: free.shares(duals.len()),
+            pushed,
+            controls,
+            free,
+        }))
+    }
+
+    fn derived(
+        &self,
+        run: &Run<'_>,
+        (asked, duals): (&Asked<'_>, &[Dual]),
+    ) -> Result<Derived, GoalError> {
+        let answered = Answered {
+            goals: duals,
+            pushed: &self.pushed,
+            controls: &self.controls,
+        };
+        gradients(run, (&answered, &self.free), &asked.parameters)
+    }
+
+    fn freed<'a>(&'a self, place: usize, dual: &'a Dual) -> Freed<'a> {
+        let shares = self.shares.get(place).map_or(&[][..], |own| own);
+        Freed::new(dual, &self.pushed, shares)
+    }
 }
 
 /// What questions ask for together.
@@ -83,6 +179,14 @@ impl<'q> Asked<'q> {
             questions,
             goals: once(questions.iter().flat_map(|one| &one.goals)),
             parameters: once(questions.iter().flat_map(|one| &one.parameters)),
+        }
+    }
+
+    fn purpose(&self) -> Purpose {
+        if self.parameters.is_empty() {
+            Purpose::Bounds
+        } else {
+            Purpose::Derivatives
         }
     }
 
@@ -116,16 +220,15 @@ impl<'q> Asked<'q> {
         asked.any(|one| one.parameters.contains(&Parameter::Mesh))
     }
 
-    /// Those `derivatives` by all parameters that are asked of the goal.
-    fn named(&self, goal: &Goal, derivatives: Vec<f64>) -> Vec<(String, f64)> {
-        let all = self.parameters.iter().zip(derivatives);
-        let of_goal = all.filter(|(parameter, _)| {
+    /// The derivatives of the goal of that place that are asked of it.
+    fn named(&self, (place, goal): (usize, &Goal), derived: &Derived) -> Vec<(String, f64)> {
+        let of_goal = derived.columns.iter().filter(|(parameter, _)| {
             self.about(goal)
                 .any(|one| one.parameters.contains(parameter))
         });
-        of_goal
-            .map(|(one, value)| (one.to_string(), value))
-            .collect()
+        let values =
+            of_goal.filter_map(|(one, column)| Some((one.to_string(), *column.get(place)?)));
+        values.collect()
     }
 }
 
@@ -135,13 +238,24 @@ fn once<'a, T: Clone + Eq + std::hash::Hash + 'a>(all: impl Iterator<Item = &'a 
     all.filter(|one| seen.insert(*one)).cloned().collect()
 }
 
-/// Dual solutions of `goals`.
-fn all<'g>(
+/// Dual solutions of the goals that have one.
+///
+/// # Errors
+/// [`GoalError::Stopped`], and that of the only goal.
+fn all(
     run: &mut Run<'_>,
     program: &mut QuadraticProgram<'_>,
-    goals: impl Iterator<Item = &'g Goal>,
+    (asked, refused): (&Asked<'_>, &mut Vec<GoalError>),
 ) -> Result<Vec<Dual>, GoalError> {
-    goals.map(|goal| dual(run, program, goal)).collect()
+    let mut duals = Vec::with_capacity(asked.goals.len());
+    for goal in &asked.goals {
+        match dual(run, program, (goal, asked.purpose())) {
+            Ok(dual) => duals.push(dual),
+            Err(error @ GoalError::Stopped(_)) => return Err(error),
+            Err(error) => refused.push(error),
+        }
+    }
+    Ok(duals)
 }
 
 /// What all reports of a state share.
@@ -198,9 +312,9 @@ fn pushing_goals(model: &Model<'_>, state: &State) -> Result<Vec<(Control, Goal)
     let goal = |control: Control| match control.part {
         Part::Support(_) => Err(GoalError::Absent {
             text: control.key().to_owned(),
-            cause:
-                "errors and derivatives where supports are pushed or sprung are not supported yet"
-                    .to_owned(),
+            cause: "errors and derivatives where supports are pushed or sprung are not known yet; \
+                 prescribe the displacement that the support has reached"
+                .to_owned(),
         }),
         Part::Obstacle(index) => Ok((
             control,

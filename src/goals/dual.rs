@@ -9,8 +9,41 @@ use crate::model::evaluate::Evaluation;
 use crate::model::state::State;
 use crate::report::Termination;
 use crate::scene::Goal;
-use crate::sqp::program::{DualFailure, Fields, QuadraticProgram};
+use crate::sqp::fields::Fields;
+use crate::sqp::program::{DualFailure, QuadraticProgram, Wanted};
 use crate::sqp::run::Run;
+
+/// True residual over its scale that is enough for bounds: they are roots of products of recovered
+/// errors, which no residual of this size moves by as much as a hundredth.
+const FOR_BOUNDS: f64 = 1e-4;
+/// The same for derivatives, over the tolerance of the state: they are wrong by some hundredths of it at
+/// most, those of a tolerance of 1e-8 by 1e-7 of themselves (a block and a ball of rubber, Hertz), which
+/// is also what the state leaves.
+const OF_TOLERANCE: f64 = 100.0;
+/// Between these in any case.
+const FOR_DERIVATIVES: [f64; 2] = [1e-10, 1e-6];
+
+/// What dual solutions are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// Bounds of errors.
+    Bounds,
+    /// Derivatives.
+    Derivatives,
+}
+
+impl Purpose {
+    /// True residual over its scale that a solution may leave.
+    fn target(self, run: &Run<'_>) -> f64 {
+        match self {
+            Self::Bounds => FOR_BOUNDS,
+            Self::Derivatives => {
+                let [least, most] = FOR_DERIVATIVES;
+                (OF_TOLERANCE * run.model.conditions.tolerance).clamp(least, most)
+            }
+        }
+    }
+}
 
 /// A goal with its dual solution.
 pub(super) struct Dual {
@@ -60,13 +93,20 @@ impl Dual {
 pub(super) fn dual(
     run: &mut Run<'_>,
     program: &mut QuadraticProgram<'_>,
-    goal: &Goal,
+    (goal, purpose): (&Goal, Purpose),
 ) -> Result<Dual, GoalError> {
     let start = std::time::Instant::now();
     let resolved = ResolvedGoal::new((&run.model, &*run.state), goal)?;
     let right = resolved.derivative(&run.model, run.state, run.work);
     let before = run.counters.applications;
-    let solved = program.solve_dual(run, &right);
+    let target = purpose.target(run);
+    let known = run.learned.duals.of(&goal.to_string());
+    let wanted = Wanted {
+        right: &right,
+        target,
+        known: &known,
+    };
+    let solved = program.solve_dual(run, wanted);
     let solved = solved.map_err(|failure| failed(run, (goal, failure)))?;
     Ok(Dual {
         name: goal.clone(),

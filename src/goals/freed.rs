@@ -16,7 +16,7 @@ use crate::model::evaluate::Evaluation;
 use crate::model::interfaces::Interface;
 use crate::model::state::State;
 use crate::results::geometry_error::largest_sagitta;
-use crate::sqp::program::Fields;
+use crate::sqp::fields::Fields;
 
 /// A goal freed of the poses that follow.
 pub(super) struct Freed<'a> {

@@ -5,31 +5,34 @@
 //! ```
 //!
 //! by central differences of sixth order of what the solver itself evaluates: exact to rounding for
-//! loads and for constants that a law is linear in, to some 1e-11 of J for the rest. Where poses
-//! follow from pushes F = T the derivatives at fixed poses q are freed of them,
+//! loads and for constants that a law is linear in, to some 1e-11 of J for the rest. Only the terms of R
+//! that know the parameter are evaluated. Where poses follow from pushes F = T the derivatives at fixed poses q are freed of them,
 //!
 //! ```text
 //! dJ/dt - (dJ/dq) (dF/dq)^-1 dF/dt,   dJ/dT = (dJ/dq) (dF/dq)^-1
 //! ```
 //!
-//! Cost: six evaluations of the residuals a parameter, for all goals together.
+//! Cost: two evaluations of terms of the residuals a parameter that they are linear in, six others, for
+//! all goals together.
 
 use super::dual::Dual;
 use super::error::GoalError;
 use super::nodes::{self, ByNodes};
-use super::perturbed::{Change, Place};
+use super::perturbed::Change;
+use super::place::Place;
 use crate::linalg::vector::norm;
 use crate::linalg::{DenseLu, DenseMatrix, Workspace};
 use crate::model::Model;
-use crate::model::evaluate::evaluate;
+use crate::model::evaluate::evaluate_terms;
 use crate::model::push::{Control, Part};
 use crate::model::state::State;
-use crate::report::Seconds;
 use crate::scene::Parameter;
 use crate::sqp::run::Run;
 
 /// Weights of values one, two and three steps away, over the step: of sixth order.
 const WEIGHTS: [f64; 3] = [45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0];
+/// The same of values one step away: exact for what is linear.
+const LINEAR: [f64; 1] = [0.5];
 
 /// Goals with their dual solutions.
 pub(super) struct Answered<'a> {
@@ -49,42 +52,51 @@ impl<'a> Answered<'a> {
 }
 
 /// What goals depend on, in the caller's units.
+#[derive(Default)]
 pub(super) struct Derived {
-    /// `[goals][parameters]`; by the places of all vertices the root of the sum of squares.
-    pub(super) rows: Vec<Vec<f64>>,
+    /// By the parameters that have answers `[goals]`; by the places of all vertices the root of the sum
+    /// of squares.
+    pub(super) columns: Vec<(Parameter, Vec<f64>)>,
     /// By the places of the vertices `[goals][vertices]`; empty where that is not asked for.
     pub(super) nodes: Vec<ByNodes>,
+    /// Why other parameters have none.
+    pub(super) refused: Vec<GoalError>,
 }
 
 /// Derivatives of all goals by all parameters.
 ///
 /// # Errors
-/// [`GoalError`] of a parameter.
+/// [`GoalError::Stopped`].
 pub(super) fn gradients(
     run: &Run<'_>,
     (answered, free): (&Answered<'_>, &Free),
     parameters: &[Parameter],
 ) -> Result<Derived, GoalError> {
-    let mut rows = vec![Vec::with_capacity(parameters.len()); answered.goals.len()];
-    let mut nodes = Vec::new();
+    let mut derived = Derived::default();
+    let at = (&run.model, &*run.state);
     for parameter in parameters {
         if let Some(stopped) = run.stopped() {
             return Err(GoalError::Stopped(stopped));
         }
         let column = if *parameter == Parameter::Mesh {
-            nodes = free.by_nodes((&run.model, &*run.state), answered)?;
-            nodes.iter().map(|own| norm(own.as_flattened())).collect()
+            free.by_nodes(at, answered).map(|nodes| {
+                derived.nodes = nodes;
+                let sizes = derived.nodes.iter();
+                sizes.map(|own| norm(own.as_flattened())).collect()
+            })
         } else {
-            free.column((&run.model, &*run.state), answered, parameter)?
+            free.column(at, answered, parameter)
         };
-        rows.iter_mut()
-            .zip(column)
-            .for_each(|(row, value)| row.push(value));
+        match column {
+            Ok(column) => derived.columns.push((parameter.clone(), column)),
+            Err(error) => derived.refused.push(error),
+        }
     }
-    Ok(Derived { rows, nodes })
+    Ok(derived)
 }
 
 /// How poses that follow from pushes answer.
+#[derive(Default)]
 pub(super) struct Free {
     /// (dF/dq)^-1; none where no pose follows.
     stiffness: Option<DenseLu>,
@@ -145,13 +157,17 @@ impl Free {
             })
         };
         match (parameter, control) {
-            (Parameter::Push { .. }, None) => absent("nothing pushes the obstacle so"),
+            (Parameter::Push { .. }, None) => {
+                absent("nothing pushes the obstacle so; its `translation` and `rotation` are given")
+            }
             (Parameter::Push { .. }, Some(place)) => {
                 let mut unit = vec![0.0; answered.controls.len()];
                 unit[place] = 1.0;
                 Ok(self.led(answered.goals.len(), unit))
             }
-            (_, Some(_)) => absent("the pose follows from a push"),
+            (_, Some(_)) => absent(
+                "the pose follows from a push: ask for the `force` or `moment` of the obstacle",
+            ),
             (_, None) => {
                 let mut values = differentiate(at, answered, &change)?;
                 let pushed = values.split_off(answered.goals.len());
@@ -250,7 +266,12 @@ fn differentiate(
     change: &Change,
 ) -> Result<Vec<f64>, GoalError> {
     let mut sums = vec![0.0; answered.all().count()];
-    for (place, weight) in WEIGHTS.into_iter().enumerate() {
+    let weights = if change.is_linear {
+        &LINEAR[..]
+    } else {
+        &WEIGHTS
+    };
+    for (place, weight) in weights.iter().enumerate() {
         for sign in [1.0, -1.0] {
             let by = sign * (place + 1) as f64 * change.step;
             let values = lagrangians(at, answered, (change, by))?;
@@ -263,7 +284,8 @@ fn differentiate(
     Ok(sums)
 }
 
-/// J + y . R of all goals, in the caller's units of J, with the parameter larger by some amount.
+/// J + y . R of all goals, in the caller's units of J, with the parameter larger by some amount, but for
+/// what does not depend on it.
 fn lagrangians(
     at: (&Model<'_>, &State),
     answered: &Answered<'_>,
@@ -271,15 +293,15 @@ fn lagrangians(
 ) -> Result<Vec<f64>, GoalError> {
     let changed = change.apply(at, by)?;
     let (model, state) = (changed.model(), &changed.state);
-    let now = evaluate(
-        &model,
-        state,
-        &mut Seconds::default(),
-        &mut Workspace::new(),
-    );
+    let terms = change.place.terms();
+    let now = evaluate_terms((&model, state), terms, &mut Workspace::new());
     let value = |dual: &Dual| {
-        let sum = dual.goal.value(&model, state) + dual.work(state, &now);
-        sum * dual.goal.unit()
+        let own = if dual.goal.reads(terms) {
+            dual.goal.value(&model, state)
+        } else {
+            0.0
+        };
+        (own + dual.work(state, &now)) * dual.goal.unit()
     };
     Ok(answered.all().map(value).collect())
 }

@@ -6,7 +6,7 @@
 //! rest, or where nothing asks for the slip: where nothing sticks, and in the plane what slips goes one
 //! way or the other.
 
-use super::error::GoalError;
+use super::error::{GoalError, History};
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::friction::{Friction, SlipStart};
@@ -20,7 +20,7 @@ pub(super) fn refuse_history(
     asks_for_derivatives: bool,
 ) -> Result<(), GoalError> {
     if !model.plan.problem.resolved.fluids.is_empty() {
-        return Err(GoalError::NeedsHistory("fluids"));
+        return Err(GoalError::NeedsHistory(History::Fluids));
     }
     let Some(friction) = &model.interfaces.friction else {
         return Ok(());
@@ -32,7 +32,7 @@ pub(super) fn refuse_history(
         && !began_at_rest(model, start)
         && asks_for_slips(friction, (model, state));
     if depends {
-        Err(GoalError::NeedsHistory("friction over several increments"))
+        Err(GoalError::NeedsHistory(History::Friction))
     } else {
         Ok(())
     }

@@ -20,7 +20,7 @@
 //! | [`freed`] | a goal whose poses follow from pushes |
 //! | [`bound`], [`form`] | the error of J by the mesh, from the errors of x and y |
 //! | [`nodes`] | the derivative by the places of all vertices |
-//! | [`perturbed`], [`gradient`] | the derivative of J + y . R with the state held fast |
+//! | [`place`], [`perturbed`], [`gradient`] | the derivative of J + y . R with the state held fast |
 //!
 //! Where points slip x has no traction of its own: it follows its pressure, so that K is not
 //! symmetric. Nothing of a session is changed by asking. Bodies without fluids, whose state depends
@@ -38,9 +38,10 @@ mod history;
 mod nodes;
 mod own_contact;
 mod perturbed;
+mod place;
 mod resolved;
 mod transposed;
 
-pub use error::GoalError;
+pub use error::{GoalError, History};
 
-pub(crate) use answer::answer;
+pub(crate) use answer::{Answers, answer};

@@ -1,15 +1,16 @@
 //! A goal on a body: its value and its derivative with respect to the state,
 //!
 //! ```text
-//! obstacle   J = -l . C w          J_u = K w + [f x a],  J_l = -C w,   f = -C^T l
+//! contact    J = -l . C w          J_u = K w + [f x a],  J_l = -C w,   f = -C^T l
 //! support    J = w . (A u + B^T p + C^T l - load)        J_x = M^T w
 //! probe      J = u(X) . e
 //! pressure   J = sum of w_k l_k                         the largest value at a node, which stays that
 //! energy     J = int W - p . (B u - S p / 2)            J_u = A u + B^T p, J_p = B u - S p = 0
 //! ```
 //!
-//! w the rigid motion of the whole body that the goal does work on, of a support that of its
-//! nodes alone; K the curvature of the obstacle's gaps under its pressure with what turns its tractions, M the matrix of the
+//! contact: of an obstacle, or of two bodies. w the rigid motion of the whole body that the goal does work
+//! on, of a support and of two bodies that of its nodes, or of those of the surface of the body named first,
+//! alone; K the curvature of the obstacle's gaps under its pressure with what turns its tractions, M the matrix of the
 //! dual problem with the rows and columns of what is held; [f x a] for moments about a only.
 //! Non-dimensional, all rows, held ones included. Cost: one pass over the obstacle's surface, of a
 //! support one product with the tangent besides.
@@ -24,14 +25,16 @@ use crate::linalg::{LinearOperator, Workspace};
 use crate::mesh::locate::Located;
 use crate::model::Model;
 use crate::model::energy::strain_energy;
+use crate::model::evaluate::Terms;
 use crate::model::internal::internal;
 use crate::model::state::State;
 use crate::model::values::{displacement_at, gradient_at};
 use crate::obstacle::Obstacle;
+use crate::pairs::Meets;
 use crate::results::geometry_error::geometry_error;
 use crate::results::nodal_force::{contact_force, reaction};
 use crate::scene::{Goal, GoalKind};
-use crate::sqp::program::Fields;
+use crate::sqp::fields::Fields;
 
 /// A goal with its names resolved.
 #[derive(Clone, Debug)]
@@ -49,6 +52,9 @@ enum What {
     Force(usize),
     /// Its moment.
     Moment(usize),
+    /// Force of a contact between bodies on the one named first: its interface, and the sign of the
+    /// force on its carrier.
+    Between(usize, f64),
     /// Force of the support of that number.
     Reaction(usize),
     /// Displacement of a place.
@@ -79,7 +85,12 @@ impl ResolvedGoal {
             found.ok_or_else(unknown)
         };
         let (what, unit) = match goal.kind {
-            GoalKind::Force => (What::Force(obstacle()?), problem.units.force()),
+            GoalKind::Force => (
+                obstacle()
+                    .map(What::Force)
+                    .or_else(|error| between(model, &goal.name).ok_or(error))?,
+                problem.units.force(),
+            ),
             GoalKind::Moment => (What::Moment(obstacle()?), problem.units.energy()),
             GoalKind::Reaction => {
                 let mut all = problem.resolved.supports.iter();
@@ -115,6 +126,16 @@ impl ResolvedGoal {
         let plan = model.plan;
         if let Some(cause) = goal.absent(plan.problem.resolved.kind) {
             return absent(cause);
+        }
+        if let What::Between(index, _) = &self.what {
+            let pairs = &plan.problem.pairs;
+            let own = index.checked_sub(plan.problem.obstacles.len());
+            let own = own.and_then(|place| pairs.get(place));
+            return if own.is_some_and(|pair| pair.meets != Meets::AnotherBody) {
+                absent("a body exerts no force on itself")
+            } else {
+                Ok(())
+            };
         }
         let What::Reaction(support) = &self.what else {
             return Ok(());
@@ -172,6 +193,16 @@ impl ResolvedGoal {
         })
     }
 
+    /// Whether J itself depends on `terms` at a given state.
+    pub(super) fn reads(&self, terms: Terms) -> bool {
+        match &self.what {
+            What::Reaction(_) => true,
+            What::Force(_) | What::Moment(_) => matches!(terms, Terms::Contact | Terms::All),
+            What::StrainEnergy => matches!(terms, Terms::Body | Terms::All),
+            What::Displacement(_) | What::MaxPressure(_) | What::Between(..) => terms == Terms::All,
+        }
+    }
+
     /// J, non-dimensional.
     pub(super) fn value(&self, model: &Model<'_>, state: &State) -> f64 {
         match &self.what {
@@ -179,6 +210,12 @@ impl ResolvedGoal {
                 let own = OwnContact::new(model, state, *index);
                 own.map_or(0.0, |own| {
                     dot(&own.force(state), &self.motion(model, state, &own))
+                })
+            }
+            What::Between(index, sign) => {
+                let own = OwnContact::new(model, state, *index);
+                own.map_or(0.0, |own| {
+                    sign * dot(&own.force(state), &self.carrier_motion(model, *index))
                 })
             }
             What::Reaction(support) => {
@@ -215,6 +252,7 @@ impl ResolvedGoal {
                 let own = OwnContact::new(model, state, *index);
                 own.map_or_else(|| zeros(state), |own| self.of_obstacle(model, state, &own))
             }
+            What::Between(index, sign) => self.of_bodies((model, state), (*index, *sign)),
             What::Reaction(support) => {
                 let motion = self.support_motion(model, *support);
                 transposed(model, state, &motion, work)
@@ -244,6 +282,23 @@ impl ResolvedGoal {
         let work = &mut Workspace::new();
         curvature.apply_transposed(&motion, &mut out.displacement, work);
         self.add_turned(model, &own.force(state), &mut out.displacement);
+        own.add_work(-1.0, &motion, &mut out.multiplier);
+        out
+    }
+
+    fn of_bodies(
+        &self,
+        (model, state): (&Model<'_>, &State),
+        (index, sign): (usize, f64),
+    ) -> Fields {
+        let mut out = zeros(state);
+        let Some(own) = OwnContact::new(model, state, index) else {
+            return out;
+        };
+        let mut motion = self.carrier_motion(model, index);
+        motion.iter_mut().for_each(|x| *x *= sign);
+        let curvature = own.curvature(model, state);
+        curvature.apply_transposed(&motion, &mut out.displacement, &mut Workspace::new());
         own.add_work(-1.0, &motion, &mut out.multiplier);
         out
     }
@@ -331,6 +386,17 @@ impl ResolvedGoal {
         motion
     }
 
+    /// One along the axis at the vertices of an interface, hierarchical `[displacement]`.
+    fn carrier_motion(&self, model: &Model<'_>, index: usize) -> Vec<f64> {
+        let space = &model.prepared.space;
+        let mut motion = vec![0.0; space.displacement_unknowns()];
+        let interface = model.interfaces.list.get(index);
+        let facets = interface.map_or(&[][..], |one| &one.facets);
+        let vertices = facets.iter().flat_map(|&f| model.mesh.facet(f as usize));
+        vertices.for_each(|&v| motion[v as usize * space.components + self.axis] = 1.0);
+        motion
+    }
+
     /// One at the nodes that a support holds along the axis, hierarchical `[displacement]`.
     fn support_motion(&self, model: &Model<'_>, support: usize) -> Vec<f64> {
         let space = &model.prepared.space;
@@ -348,6 +414,18 @@ impl ResolvedGoal {
         }
         nodal
     }
+}
+
+/// The force of the contact between bodies of that name; none where there is none.
+fn between(model: &Model<'_>, name: &str) -> Option<What> {
+    let problem = &model.plan.problem;
+    let place = problem.pairs.iter().position(|one| one.name == name)?;
+    let sign = if problem.pairs[place].first_carries() {
+        1.0
+    } else {
+        -1.0
+    };
+    Some(What::Between(problem.obstacles.len() + place, sign))
 }
 
 /// The largest pressure at a node of an obstacle's surface as the sum that it is of multipliers.

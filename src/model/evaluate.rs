@@ -107,6 +107,49 @@ pub(crate) fn evaluate_body(model: &Model<'_>, state: &State, work: &mut Workspa
     out
 }
 
+/// Terms of the residuals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Terms {
+    /// Forces and volumes of the body itself.
+    Body,
+    /// Gaps, slips and contact pressures.
+    Contact,
+    /// Dead loads and pressures that follow the body.
+    Loads,
+    /// All of them.
+    All,
+}
+
+/// Residuals of `terms` alone, zero what is of others; norms are left out but with all.
+pub(crate) fn evaluate_terms(
+    (model, state): (&Model<'_>, &State),
+    terms: Terms,
+    work: &mut Workspace,
+) -> Evaluation {
+    let mut out = Evaluation {
+        force: vec![0.0; state.displacement.len()],
+        constraint: vec![0.0; state.pressure.len()],
+        gap: vec![0.0; state.multiplier.len()],
+        ..Evaluation::default()
+    };
+    match terms {
+        Terms::All => return evaluate(model, state, &mut Seconds::default(), work),
+        Terms::Body => {
+            let inside = internal(model, state, work);
+            add_scaled(&mut out.force, -1.0, &inside.force);
+            out.constraint = inside.constraint;
+        }
+        Terms::Contact => {
+            add_contact(model, state, None, &mut out);
+            let columns = &out.coupling;
+            columns.add_transposed(-1.0, &state.multiplier, &mut out.force, work);
+        }
+        Terms::Loads => out.force = external_force(model, state),
+    }
+    mask(&model.prepared.held, &mut out.force);
+    out
+}
+
 /// Adds the residuals of force and volume to gaps and coupling.
 fn add_body(model: &Model<'_>, state: &State, out: &mut Evaluation, work: &mut Workspace) {
     let held = &model.prepared.held;

@@ -54,7 +54,7 @@ pub(crate) use points::Point;
 const NEGLIGIBLE: f64 = 0.1;
 
 /// The frictional obstacles' points.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Friction {
     /// The points, in the order of their multipliers.
     pub(crate) points: Vec<Point>,

@@ -47,7 +47,7 @@ use crate::ties::Tied;
 const HELD_ALONG: f64 = 1e-9;
 
 /// A surface with multipliers and what it meets.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Interface {
     /// Name of the obstacle or the support that the surface belongs to.
     pub(crate) name: String,
@@ -161,7 +161,7 @@ impl Interface {
 
 /// All interfaces of a scene: of obstacles, in the order of the plan, of contacts between bodies,
 /// then of supports.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Interfaces {
     /// The interfaces, their multipliers one after the other.
     pub(crate) list: Vec<Interface>,
@@ -249,6 +249,16 @@ impl Interfaces {
             list,
             rule,
         }
+    }
+
+    /// The same with another shape of the obstacle of that number, of the same kind.
+    pub(crate) fn with_shape(&self, obstacle: usize, shape: Arc<dyn Obstacle>) -> Self {
+        let mut changed = self.clone();
+        let own = changed.list.get_mut(obstacle);
+        if let Some(role @ Role::Contact(_)) = own.map(|one| &mut one.role) {
+            *role = Role::Contact(shape);
+        }
+        changed
     }
 
     /// Number of multipliers of obstacles that are at work.

@@ -14,7 +14,7 @@ use crate::scene::MetricKind;
 
 /// What a metric takes from the undeformed surfaces; empty where the plan needs
 /// none of it.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct SurfaceMetric {
     /// Surface matrix of all interfaces block by block `[multipliers, multipliers]`, up
     /// to a factor that the linearisation finds.

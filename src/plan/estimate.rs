@@ -174,12 +174,15 @@ fn dense_numbers(plan: &Plan) -> u64 {
     (2 * square(made_by)).max(square(traces) + 3 * square(rows))
 }
 
-/// Digits to which a dual solution is found.
-const DUAL_DIGITS: f64 = 10.0;
+/// Digits to which a dual solution is found: for bounds alone, and for derivatives at usual tolerances.
+const DUAL_DIGITS: [f64; 2] = [4.0, 6.0];
 
 /// Applications of the displacement preconditioner that one dual solution takes.
 pub(super) fn dual_applications(plan: &Plan) -> u32 {
-    (DUAL_DIGITS * per_digit(plan) * relative_applications(plan)).ceil() as u32
+    let mut questions = plan.problem.scene.questions.iter();
+    let asks_for_derivatives = questions.any(|one| !one.parameters.is_empty());
+    let digits = DUAL_DIGITS[usize::from(asks_for_derivatives)];
+    (digits * per_digit(plan) * relative_applications(plan)).ceil() as u32
 }
 
 /// Applications of the displacement preconditioner to reach the tolerance.

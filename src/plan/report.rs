@@ -176,7 +176,8 @@ impl Plan {
         push(
             "goals",
             choice,
-            "one dual solution a goal, six evaluations of the residuals a parameter",
+            "one dual solution a goal, two evaluations of terms of the residuals a parameter, six where they \
+             are not linear in it",
         );
     }
 

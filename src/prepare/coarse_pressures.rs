@@ -27,7 +27,7 @@ const ALONE: usize = 64;
 const GROWTH: f64 = 1.2;
 
 /// The coarse pressures of a body.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct CoarsePressures {
     /// z `[modes, pressures]`.
     pub(crate) pressures: SparseRows,

@@ -26,7 +26,7 @@ use crate::space::TaylorHood;
 const MASS_STEPS: usize = 6;
 
 /// The pressure block.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct PressureBlock {
     pub(crate) coupling: Divergence,
     /// Displacement and pressure in one product.
@@ -117,7 +117,6 @@ pub(crate) fn pressure_block(plan: &Plan, body: PressureBody<'_>) -> PressureBlo
             softness[cell] / step + moduli.inverse_lame[cell]
         }
     };
-    let compressible = moduli.inverse_lame.iter().any(|&inverse| inverse != 0.0);
     let Stiffness { grid, size, .. } = &stiffness.free;
     let coupling = Divergence {
         grid: grid.clone(),
@@ -134,19 +133,30 @@ pub(crate) fn pressure_block(plan: &Plan, body: PressureBody<'_>) -> PressureBlo
     };
     let cells = (mesh, geometry);
     let rule = volume_rule(plan);
+    let stabilisation = stabilisation(plan, cells, moduli);
     PressureBlock {
         body,
         coarse: CoarsePressures::new(mesh, &several_parts(mesh), plan.unknowns().contact),
-        is_enclosed: !compressible && constant_pressure_is_idle(&coupling),
+        is_enclosed: stabilisation.is_none() && constant_pressure_is_idle(&coupling),
         coupling,
-        stabilisation: compressible
-            .then(|| weighted_mass(cells, &rule, |cell| moduli.inverse_lame[cell])),
+        stabilisation,
         metric: ChebyshevMass::new(
             weighted_mass(cells, &rule, schur),
             space.components,
             MASS_STEPS,
         ),
     }
+}
+
+/// S; none when every material is incompressible.
+pub(super) fn stabilisation(
+    plan: &Plan,
+    cells: (&Mesh, &CellGeometry),
+    moduli: &CellModuli,
+) -> Option<SparseRows> {
+    let is_compressible = moduli.inverse_lame.iter().any(|&inverse| inverse != 0.0);
+    is_compressible
+        .then(|| weighted_mass(cells, &volume_rule(plan), |cell| moduli.inverse_lame[cell]))
 }
 
 /// The rule of the volumes of cells.

@@ -11,7 +11,7 @@ use super::error::PrepareError;
 use super::moduli::moduli;
 use super::of_sessions::OfSessions;
 use super::p1::{self, P1Built};
-use super::pressure::{PressureBlock, PressureBody, pressure_block};
+use super::pressure::{PressureBlock, PressureBody, pressure_block, stabilisation};
 use super::rings::{Rest, rings_at_rest};
 use crate::assembly::grid::{Basis, GridSource};
 use crate::assembly::p1_stiffness::{CellStiffness, StiffCells};
@@ -117,30 +117,32 @@ impl TaylorHoodData {
         .finish(plan, mesh, &poll)
     }
 
-    /// The same body with the laws of `plan`, in the same units: operators without their inverses,
-    /// which stay those of these data.
+    /// The same body with the laws of `plan`, in the same units: operators without their inverses
+    /// and metrics, which stay those of these data.
     pub(crate) fn with_laws(&self, plan: &Plan, mesh: &Mesh) -> Self {
         let moduli = moduli(plan);
         let (space, geometry) = (self.space.clone(), self.geometry.clone());
-        let grid = Arc::new(Grid::new(GridSource {
+        let source = GridSource {
             mesh,
             space: &space,
             geometry: &geometry,
             moduli: &moduli,
             held: &self.held,
-        }));
+        };
+        // Of cells of finite strain the grid holds shapes alone.
+        let grid = match &self.strain {
+            Some(_) => self.grid.clone(),
+            None => Arc::new(Grid::new(source)),
+        };
         let mut stiffness = self.stiffness.clone();
         stiffness.free.grid = grid.clone();
-        let body = PressureBody {
-            mesh,
-            space: &space,
-            geometry: &geometry,
-            moduli: &moduli,
-            stiffness: &stiffness,
-        };
+        let pressure = self.pressure.as_ref();
         let strain = self.strain.as_ref();
         Self {
-            pressure: plan.is_mixed().then(|| pressure_block(plan, body)),
+            pressure: pressure.map(|block| PressureBlock {
+                stabilisation: stabilisation(plan, (mesh, &geometry), &moduli),
+                ..block.clone()
+            }),
             strain: strain.map(|_| Arc::new(strain_grid(plan, mesh, &grid))),
             held: self.held.clone(),
             is_held: self.is_held.clone(),

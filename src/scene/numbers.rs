@@ -35,6 +35,26 @@ pub(crate) fn constant<'a>(model: &'a mut MaterialModel, key: &str) -> Option<&'
     }
 }
 
+/// Whether stresses and volumes at given strains and pressures are linear in a constant, of rubber
+/// that is not a sheet: all but exponents, limits and moduli that the volume feels.
+pub(crate) fn is_linear(model: &MaterialModel, key: &str) -> bool {
+    let name = key.split('.').next().unwrap_or(key);
+    match model {
+        MaterialModel::LinearElastic { poisson_ratio, .. } => {
+            *poisson_ratio >= 0.5 && name != "poisson_ratio"
+        }
+        MaterialModel::Stokes { .. } => true,
+        MaterialModel::Rubber { model, .. } => {
+            let is_foam = matches!(
+                model,
+                RubberModel::Hyperfoam { .. } | RubberModel::BlatzKo { .. }
+            );
+            let is_factor = matches!(name, "mu" | "shear_modulus") || POLYNOMIAL.contains(&name);
+            is_factor && !is_foam
+        }
+    }
+}
+
 fn of_rubber<'a>(model: &'a mut RubberModel, key: &str) -> Option<&'a mut f64> {
     let (name, place) = match key.split_once('.') {
         Some((name, place)) => (name, place.parse::<usize>().ok()),

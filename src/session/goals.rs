@@ -1,7 +1,7 @@
 //! Questions about the current state: those of the scene after every increment, and any others.
 
 use super::Session;
-use crate::goals::GoalError;
+use crate::goals::{Answers, GoalError};
 use crate::report::{
     CancelToken, FieldData, FieldName, GoalReport, StepReport, Termination, Warning, WarningKind,
 };
@@ -10,22 +10,28 @@ use crate::scene::{GoalQuestions, Parameter};
 impl Session {
     /// Values, derivatives and errors of functionals of the current state, which the last increment
     /// has converged to. Changes no later bit. Cost: one solve on the contacts as they are for each
-    /// goal, six evaluations of the residuals for each parameter.
+    /// goal, two to six evaluations of terms of the residuals for each parameter.
     ///
     /// # Errors
-    /// [`GoalError`] for names that the scene does not have, states that are no equilibrium or that
-    /// depend on their way, and where it was cancelled.
+    /// The first [`GoalError`], for names that the scene does not have, states that are no equilibrium or
+    /// that depend on their way, and where it was cancelled.
     pub fn answer(
         &self,
         questions: &GoalQuestions,
         cancel: &CancelToken,
     ) -> Result<Vec<GoalReport>, GoalError> {
         let at = (self.previous.as_ref(), &self.state, &self.learned);
-        self.body
-            .answer(at, std::slice::from_ref(questions), cancel)
+        let answers = self
+            .body
+            .answer(at, std::slice::from_ref(questions), cancel)?;
+        match answers.refused.into_iter().next() {
+            None => Ok(answers.goals),
+            Some(error) => Err(error),
+        }
     }
 
-    /// Adds the answers to the questions of the scene to the report of a converged increment.
+    /// Adds the answers to the questions of the scene to the report of a converged increment, and why
+    /// others have none.
     pub(super) fn add_goals(&mut self, report: &mut StepReport, cancel: &CancelToken) {
         (self.parts, self.by_nodes) = (None, None);
         let questions = &self.plan().scene().questions;
@@ -34,30 +40,18 @@ impl Session {
         }
         let start = std::time::Instant::now();
         let at = (self.previous.as_ref(), &self.state, &self.learned);
-        let answered = self.body.answer(at, questions, cancel);
-        let answered = match answered {
-            // Values and bounds are those of the last increment's own problem.
-            Err(error @ GoalError::NeedsHistory(_)) => {
-                report.goals_refused = Some(error.to_string());
-                let without = |one: &GoalQuestions| GoalQuestions {
-                    parameters: Vec::new(),
-                    ..one.clone()
-                };
-                let questions: Vec<GoalQuestions> = questions.iter().map(without).collect();
-                self.body.answer(at, &questions, cancel)
-            }
-            other => other,
-        };
-        match answered {
-            Ok(goals) => {
-                report.warnings.extend(one_sided(&goals));
-                let mut bounds = goals.iter().filter_map(|goal| goal.bound.as_ref());
-                self.parts = bounds.next().map(|bound| bound.cells.clone());
-                self.by_nodes = goals.iter().find_map(|goal| goal.by_nodes.clone());
-                report.goals = goals;
-            }
-            Err(error) => report.goals_refused = Some(error.to_string()),
-        }
+        let answers = self.body.answer(at, questions, cancel);
+        let answers = answers.unwrap_or_else(|error| Answers {
+            refused: vec![error],
+            ..Answers::default()
+        });
+        report.goals_refused = joined(&answers.refused);
+        report.warnings.extend(one_sided(&answers.goals));
+        let mut bounds = answers.goals.iter().filter_map(|goal| goal.bound.as_ref());
+        self.parts = bounds.next().map(|bound| bound.cells.clone());
+        self.by_nodes = answers.goals.iter().find_map(|goal| goal.by_nodes.clone());
+        report.goals = answers.goals;
+        self.learned.duals.add(answers.duals);
         report.seconds.total += start.elapsed().as_secs_f64();
     }
 
@@ -106,6 +100,12 @@ impl Session {
         let answers = self.answer(&goals, &CancelToken::new()).ok()?;
         Some(answers.into_iter().next()?.bound?.cells)
     }
+}
+
+/// What was refused, in one line; none where nothing was.
+fn joined(refused: &[GoalError]) -> Option<String> {
+    let causes: Vec<String> = refused.iter().map(GoalError::to_string).collect();
+    (!causes.is_empty()).then(|| causes.join("; "))
 }
 
 /// The warning of derivatives at the border of a contact; none where there are none.

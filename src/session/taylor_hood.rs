@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::body::{Advanced, Increment, Shared};
 use crate::continuation;
 use crate::diagnosis::site::locate;
-use crate::goals::{self, GoalError};
+use crate::goals::{self, Answers, GoalError};
 use crate::linalg::Workspace;
 use crate::mesh::Mesh;
 use crate::model::Model;
@@ -23,9 +23,7 @@ use crate::model::state::{Start, State};
 use crate::plan::Plan;
 use crate::precond::p_multigrid::LANCZOS_STEPS;
 use crate::prepare::TaylorHoodData;
-use crate::report::{
-    CancelToken, FieldData, FieldName, GoalReport, IterationRecord, Silent, StepReport,
-};
+use crate::report::{CancelToken, FieldData, FieldName, IterationRecord, Silent, StepReport};
 use crate::results::coarse_turn::coarse_turns;
 use crate::results::coarse_volume::coarse_volume;
 use crate::results::contact_alone;
@@ -213,7 +211,7 @@ impl TaylorHoodBody {
         (before, state, learned): (Option<&State>, &State, &Learned),
         questions: &[GoalQuestions],
         cancel: &CancelToken,
-    ) -> Result<Vec<GoalReport>, GoalError> {
+    ) -> Result<Answers, GoalError> {
         let whole = inside::completed(&self.model(), state, learned);
         let mut increment = Increment {
             state: &mut whole.unwrap_or_else(|| state.clone()),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::condensation::kept::Known;
 use super::factored_body::FactoredBody;
+use super::known_duals::KnownDuals;
 use super::lowest_mode::LowestMode;
 use super::preconditioner_refresh::PreconditionerRefresh;
 use super::push_stiffness::PushStiffness;
@@ -42,6 +43,8 @@ pub(crate) struct Learned {
     pub(crate) converged: Cost,
     /// How the body of a linear scene responds at its contact surface.
     pub(crate) response: Known,
+    /// Dual solutions of the last increments.
+    pub(crate) duals: KnownDuals,
 }
 
 /// Applications of some increments.
@@ -80,6 +83,7 @@ impl Learned {
             under_pushes: None,
             converged: Cost::default(),
             response: Known::Nothing,
+            duals: KnownDuals::default(),
         }
     }
 
@@ -106,6 +110,7 @@ impl Learned {
             under_pushes: self.under_pushes.clone(),
             converged: self.converged,
             response: Known::Nothing,
+            duals: self.duals.clone(),
         }
     }
 
@@ -140,5 +145,6 @@ impl Learned {
             + self.layout.as_ref().map_or(0, |layout| layout.bytes())
             + self.factored.as_ref().map_or(0, |body| body.bytes())
             + self.response.bytes()
+            + self.duals.bytes()
     }
 }

@@ -27,7 +27,9 @@ pub(crate) mod chooser;
 pub(crate) mod condensation;
 pub(crate) mod contact_metric;
 mod factored_body;
+pub(crate) mod fields;
 pub(crate) mod increment;
+mod known_duals;
 pub(crate) mod learned;
 mod left_tools;
 pub(crate) mod linear;
@@ -57,6 +59,7 @@ pub(crate) fn constants() -> Vec<crate::constants::Constant> {
         condensation::contact_alone::own_constants(),
         contact_metric::own_constants(),
         increment::own_constants(),
+        known_duals::own_constants(),
         near_compliance::own_constants(),
         preconditioner_refresh::own_constants(),
         predictor::own_constants(),

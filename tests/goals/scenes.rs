@@ -114,8 +114,9 @@ fn a_session_that_goes_on_elsewhere_has_the_density_anew() {
     let again = again.expect("a session");
     let [first, second] =
         [&session, &again].map(|one| one.field(FieldName::ErrorDensity).expect("a density"));
+    // Dual solutions of bounds are found to 1e-4, here from different beginnings.
     for (a, b) in first.values.iter().zip(&second.values) {
-        assert!(close(*a, *b, 1e-6), "{a} {b}");
+        assert!(close(*a, *b, 1e-3), "{a} {b}");
     }
 }
 
@@ -163,7 +164,7 @@ fn names_that_a_scene_lacks_are_told_by_their_keys() {
         .collect();
     let expected = [
         "accuracy.bound: `reaction.top.y`: the scene has no support of that name",
-        "gradient[0].of: `force.lid.y`: the scene has no obstacle of that name",
+        "gradient[0].of: `force.lid.y`: the scene has no obstacle or contact between bodies of that name",
         "gradient[1].to: `material.body.c30`: the law has no such finite constant",
         "gradient[1].to: `material.core.c10`: the scene has no material of that group",
         "gradient[1].to: `obstacle.ball.tube_radius`: the shape has no such number",
@@ -209,4 +210,34 @@ fn a_plan_says_what_questions_cost() {
             .iter()
             .all(|one| one.what != "goals")
     );
+}
+
+/// A parameter without a derivative, and a goal without a dual problem, keep no other from theirs.
+#[test]
+fn what_has_no_answer_keeps_nothing_else_from_having_one() {
+    let (scene, step) = block(vec![gradient(
+        &["force.ball.y", "reaction.y0.y"],
+        &[
+            "material.body.c10",
+            "obstacle.ball.friction",
+            "obstacle.ball.force.y",
+            "obstacle.ball.radius",
+        ],
+    )]);
+    let (_, reports) = run(&scene, &[step], &mesh(irregular(square(4), 4)));
+    let last = reports.last().expect("a report");
+    let cause = last.goals_refused.as_ref().expect("causes");
+    for parameter in ["obstacle.ball.friction", "obstacle.ball.force.y"] {
+        assert!(cause.contains(&format!("`{parameter}`: ")), "{cause}");
+    }
+    assert!(cause.contains("`translation` and `rotation`"), "{cause}");
+    let force = named(last, "force.ball.y");
+    let told: Vec<&str> = force.derivatives.iter().map(|one| &*one.0).collect();
+    assert_eq!(told, ["material.body.c10", "obstacle.ball.radius"]);
+    assert!(force.derivatives.iter().all(|one| one.1 != 0.0));
+    // What presses from above is held from below.
+    let base = named(last, "reaction.y0.y");
+    for (own, other) in force.derivatives.iter().zip(&base.derivatives) {
+        assert!(close(own.1, -other.1, 1e-6), "{own:?} {other:?}");
+    }
 }

@@ -10,9 +10,11 @@
 //! `[displacement]`, `[pressures]`, `[multipliers]`, non-dimensional. y are the sensitivities of a
 //! functional J to the residuals of the state (R. Becker and R. Rannacher, Acta Numerica 10, 2001).
 //! Passes of GCR with the approximate inverse or the factor in use, each from the residual
-//! computed anew; where they stagnate, with a factor of the body.
+//! computed anew and with the directions of those before, of other functionals too; where they stagnate,
+//! with a factor of the body.
 //! Cost: that of a program on a fixed set of contacts.
 
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::QuadraticProgram;
@@ -26,55 +28,19 @@ use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::precond::Counted;
 use crate::saddle::{EqualityBlock, SaddleOperator};
+use crate::sqp::fields::Fields;
 use crate::sqp::run::Run;
 
 constants! {
-    /// True residual over its scale that a solution may leave: derivatives are wrong by about as
-    /// much.
-    const TARGET: f64 = 1e-10;
     /// Reduction of the residual in one pass, beyond which that which GCR carries along parts from
     /// the true one.
-    const REDUCTION: f64 = 1e-6;
+    const REDUCTION: f64 = 3e-7;
+    /// What a pass is asked for, over what a solution may leave: the true residual is a little larger.
+    const MARGIN: f64 = 0.5;
     /// Passes at most.
     const MOST_PASSES: u32 = 8;
     /// Krylov iterations of one pass, at most.
     const MOST_PER_PASS: u32 = 600;
-}
-
-/// A vector of all unknowns.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Fields {
-    /// `[displacement]`.
-    pub(crate) displacement: Vec<f64>,
-    /// `[pressures]`.
-    pub(crate) pressure: Vec<f64>,
-    /// `[multipliers]`.
-    pub(crate) multiplier: Vec<f64>,
-}
-
-impl Fields {
-    /// Zeros, as many as `other` has.
-    pub(crate) fn zeros_like(other: &Self) -> Self {
-        Self {
-            displacement: vec![0.0; other.displacement.len()],
-            pressure: vec![0.0; other.pressure.len()],
-            multiplier: vec![0.0; other.multiplier.len()],
-        }
-    }
-
-    fn add(&mut self, other: &Self) {
-        add_scaled(&mut self.displacement, 1.0, &other.displacement);
-        add_scaled(&mut self.pressure, 1.0, &other.pressure);
-        add_scaled(&mut self.multiplier, 1.0, &other.multiplier);
-    }
-
-    fn norms(&self) -> QpNorms {
-        QpNorms {
-            force: norm(&self.displacement),
-            constraint: norm(&self.pressure),
-            gap: norm(&self.multiplier),
-        }
-    }
 }
 
 /// A dual solution.
@@ -98,18 +64,32 @@ pub(crate) enum DualFailure {
 }
 
 /// A dual problem: the transposed matrix and its right side.
-struct DualProblem<'p> {
+#[derive(Clone, Copy)]
+pub(super) struct DualProblem<'p> {
     /// G^T.
-    curvature: Option<&'p SparseRows>,
+    pub(super) curvature: Option<&'p SparseRows>,
     /// J_u, J_p, J_l, those of open contacts zero.
-    right: &'p Fields,
+    pub(super) right: &'p Fields,
     /// Rows and columns of what holds.
-    contact: &'p DualContact,
+    pub(super) contact: &'p DualContact,
+    /// True residual over its scale that a solution may leave.
+    pub(super) target: f64,
+}
+
+/// What a dual solution is asked for, and what is known of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Wanted<'w> {
+    /// J_x.
+    pub(crate) right: &'w Fields,
+    /// True residual over its scale that a solution may leave.
+    pub(crate) target: f64,
+    /// Solutions at earlier states, to begin from.
+    pub(crate) known: &'w [Arc<Fields>],
 }
 
 /// Where the passes have come to.
-struct Passes {
-    solution: Fields,
+pub(super) struct Passes {
+    pub(super) solution: Fields,
     left: Fields,
     scales: QpScales,
     /// Norm of the force that counts as one.
@@ -123,32 +103,38 @@ impl Passes {
 }
 
 impl QuadraticProgram<'_> {
-    /// y of the functional whose derivative is `right`; what belongs to held unknowns and open
-    /// contacts is not read.
+    /// y of a functional; what belongs to held unknowns and open contacts is not read. The directions
+    /// of `run` are those of dual problems of this program, or none.
     ///
     /// # Errors
     /// [`DualFailure`].
     pub(crate) fn solve_dual(
         &mut self,
         run: &mut Run<'_>,
-        right: &Fields,
+        wanted: Wanted<'_>,
     ) -> Result<DualSolution, DualFailure> {
         if run.learned.factored.is_some() {
             self.take_kept_factor(run);
         }
         let contact = DualContact::new(self, run.state);
-        let whole = right;
-        let right = self.on_contacts(right, &contact);
+        let (whole, target) = (wanted.right, wanted.target);
+        let right = self.on_contacts(whole, &contact);
         let curvature = self.geometric.all().map(SparseRows::transposed);
         let problem = DualProblem {
             curvature: curvature.as_ref(),
             right: &right,
             contact: &contact,
+            target,
         };
         let mut at = self.first_pass(&problem);
+        if self.now.friction.is_none()
+            && self.begin(&problem, wanted.known, &mut at.solution, run.work)
+        {
+            self.measure(&problem, &mut at, run.work);
+        }
         for _ in 0..MOST_PASSES {
             let before = at.relative();
-            if before <= TARGET {
+            if before <= target {
                 break;
             }
             let failed = self.pass(run, &problem, &mut at);
@@ -162,7 +148,7 @@ impl QuadraticProgram<'_> {
             }
         }
         let residual = at.relative();
-        if residual <= TARGET {
+        if residual <= target {
             Ok(DualSolution {
                 law: contact.of_law(
                     &self.now.coupling,
@@ -212,15 +198,20 @@ impl QuadraticProgram<'_> {
     ) -> Option<QpStatus> {
         let (step, failed) = self.correction(run, problem, at);
         at.solution.add(&step);
-        at.left = self.residual(problem, &at.solution, run.work);
+        self.measure(problem, at, run.work);
+        failed
+    }
+
+    /// The residual of where the passes have come to, and its scales.
+    fn measure(&self, problem: &DualProblem<'_>, at: &mut Passes, work: &mut Workspace) {
+        at.left = self.residual(problem, &at.solution, work);
         let mut contact = vec![0.0; at.left.displacement.len()];
         let columns = self.contact_rows();
-        columns.add_transposed(1.0, &at.solution.multiplier, &mut contact, run.work);
+        columns.add_transposed(1.0, &at.solution.multiplier, &mut contact, work);
         let scale = norm(&problem.right.displacement).max(norm(&contact));
         at.force_scale = if scale > 0.0 { scale } else { f64::INFINITY };
-        let QpScales { constraint, gap } = self.unsolved_norms(problem, &at.solution, run.work);
+        let QpScales { constraint, gap } = self.unsolved_norms(problem, &at.solution, work);
         at.scales.see(constraint, gap);
-        failed
     }
 
     /// Norms of the volumes and gaps of a motion as large as y whose nodes go to and fro: beside
@@ -261,7 +252,7 @@ impl QuadraticProgram<'_> {
         let mut iterate = at_residual(&at.left, problem.contact);
         let targets = QpTargets {
             force_scale: at.force_scale,
-            level: (0.3 * TARGET).max(REDUCTION * at.relative()),
+            level: (MARGIN * problem.target).max(REDUCTION * at.relative()),
             multiplier_error: None,
         };
         let displacement = Counted::new(&*self.inverse.displacement);
@@ -284,7 +275,6 @@ impl QuadraticProgram<'_> {
             Some(_) => Verdict::Stop,
             None => Verdict::Continue,
         };
-        learned.directions.clear(work);
         let mut solve = QpRun {
             targets,
             scales: &mut at.scales,
@@ -302,7 +292,12 @@ impl QuadraticProgram<'_> {
     }
 
     /// What y leaves of the right side.
-    fn residual(&self, problem: &DualProblem<'_>, y: &Fields, work: &mut Workspace) -> Fields {
+    pub(super) fn residual(
+        &self,
+        problem: &DualProblem<'_>,
+        y: &Fields,
+        work: &mut Workspace,
+    ) -> Fields {
         let blocks: Vec<EqualityBlock<'_>> = self.pressure().into_iter().collect();
         let operator = SaddleOperator {
             stiffness: self.stiffness(),

@@ -14,6 +14,7 @@ mod by_factor;
 mod contact_edges;
 mod dual;
 mod dual_contact;
+mod dual_start;
 mod factorised;
 mod geometric;
 mod inverse;
@@ -39,7 +40,7 @@ use crate::model::tangent::Tangent;
 use crate::precond::coarse_schur::CoarseSchur;
 use crate::precond::volume_modes::VolumeModes;
 use crate::prepare::{ApproximateInverse, TaylorHoodData};
-pub(crate) use dual::{DualFailure, Fields};
+pub(crate) use dual::{DualFailure, Wanted};
 use geometric::GeometricStiffness;
 use inverse::inverse;
 pub(crate) use step::Step;
@@ -180,6 +181,7 @@ pub(crate) fn constants() -> Vec<crate::constants::Constant> {
         by_factor::own_constants(),
         contact_edges::own_constants(),
         dual::own_constants(),
+        dual_start::own_constants(),
         factorised::own_constants(),
         penalised::own_constants(),
         rigid_modes::own_constants(),
