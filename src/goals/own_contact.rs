@@ -1,5 +1,5 @@
-//! An obstacle's surface at a state, with the rows of its gaps and slips: what goals on it are made
-//! of.
+//! A surface in contact at a state, with an obstacle or another body, and the rows of its gaps and
+//! slips: what goals on it are made of.
 //!
 //! ```text
 //! f = -C^T l,   C w,   K = -d(C^T l)/du
@@ -9,14 +9,13 @@
 //! one pass over the surface.
 
 use crate::contact::curvature;
-use crate::contact::gap::linearise;
 use crate::linalg::SparseRows;
 use crate::model::Model;
 use crate::model::interfaces::Interface;
 use crate::model::placed::Placed;
 use crate::model::state::State;
 
-/// An obstacle's surface with the rows of its gaps and slips, held columns among them.
+/// A surface in contact with the rows of its gaps and slips, held columns among them.
 pub(super) struct OwnContact<'a> {
     interface: &'a Interface,
     /// What it meets.
@@ -30,13 +29,14 @@ pub(super) struct OwnContact<'a> {
 }
 
 impl<'a> OwnContact<'a> {
-    /// Of the obstacle of that number: interfaces begin with the obstacles, in their order.
+    /// Of the interface of that number: they begin with the obstacles, in their order, then come
+    /// contacts between bodies.
     pub(super) fn new(model: &Model<'a>, state: &State, index: usize) -> Option<Self> {
         let free = vec![false; state.displacement.len()];
         let mut placed = model.placed(&state.drive);
         let (interface, met) = placed.nth(index)?;
         let body = model.deformed(&state.displacement);
-        let linearised = linearise(&body, &interface.surface, &met, &free);
+        let linearised = met.linearise(&body, &interface.surface, &free);
         let mut rows: Vec<_> = interface.places().zip(linearised.rows).collect();
         if let Some(friction) = &model.interfaces.friction {
             let width = friction.components.count();
@@ -56,7 +56,7 @@ impl<'a> OwnContact<'a> {
         })
     }
 
-    /// -C^T l: what the obstacle exerts on the body.
+    /// -C^T l: what the obstacle exerts on the body, or two bodies on each other.
     pub(super) fn force(&self, state: &State) -> Vec<f64> {
         let mut force = vec![0.0; self.size];
         for (place, row) in &self.rows {
@@ -81,8 +81,11 @@ impl<'a> OwnContact<'a> {
     pub(super) fn curvature(&self, model: &Model<'_>, state: &State) -> SparseRows {
         let body = model.deformed(&state.displacement);
         let pressure = self.interface.own(&state.multiplier);
-        let surface = (&self.interface.surface, &self.met, &pressure[..]);
         let free = vec![false; self.size];
+        if let Some(pair) = self.interface.pair() {
+            return pair.curvature(&body, (&self.interface.surface, &pressure), &free);
+        }
+        let surface = (&self.interface.surface, &self.met, &pressure[..]);
         let own = curvature(&body, &[surface], &free);
         let Some(friction) = &model.interfaces.friction else {
             return own;

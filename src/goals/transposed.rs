@@ -12,15 +12,14 @@
 use crate::assembly::grid::{Basis, Rows, StiffnessForm, VolumeTerm};
 use crate::assembly::strain::Mixed;
 use crate::contact::curvature;
-use crate::contact::gap::linearise;
 use crate::linalg::vector::add_scaled;
-use crate::linalg::{LinearOperator, Workspace};
+use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::model::Model;
 use crate::model::joined::Joined;
 use crate::model::pressures::pressed_tangent;
 use crate::model::state::State;
 use crate::model::tangent::Tangent;
-use crate::sqp::program::Fields;
+use crate::sqp::fields::Fields;
 
 /// Zeros of all unknowns.
 pub(super) fn zeros(state: &State) -> Fields {
@@ -104,7 +103,7 @@ fn add_contact(
     let placed: Vec<_> = model.placed(&state.drive).collect();
     let mut joined = Joined::new(out.multiplier.len());
     for (interface, met) in &placed {
-        let mut part = linearise(&body, &interface.surface, met, &free);
+        let mut part = met.linearise(&body, &interface.surface, &free);
         for &multiplier in &interface.idle {
             part.rows[multiplier as usize].clear();
         }
@@ -126,13 +125,30 @@ fn add_contact(
     if model.is_linear() {
         return;
     }
-    let own: Vec<_> = placed
-        .iter()
-        .map(|(one, _)| one.own(&state.multiplier))
+    let by_points = placed.iter().filter(|(one, _)| one.is_by_points());
+    let own: Vec<_> = by_points
+        .map(|(one, met)| (one, met, one.own(&state.multiplier)))
         .collect();
-    let surfaces = placed.iter().zip(&own);
-    let surfaces = surfaces.map(|((one, met), own)| (&one.surface, met, &own[..]));
+    let surfaces = own.iter();
+    let surfaces = surfaces.map(|(one, met, own)| (&one.surface, *met, &own[..]));
     let bent = curvature(&body, &surfaces.collect::<Vec<_>>(), &free);
-    bent.apply_transposed(motion, &mut product, work);
-    add_scaled(&mut out.displacement, -1.0, &product);
+    for bent in [Some(bent), curvature_between(model, state)]
+        .into_iter()
+        .flatten()
+    {
+        bent.apply_transposed(motion, &mut product, work);
+        add_scaled(&mut out.displacement, -1.0, &product);
+    }
+}
+
+/// Curvature of the gaps between bodies, held unknowns included; none where no two bodies meet.
+fn curvature_between(model: &Model<'_>, state: &State) -> Option<SparseRows> {
+    let body = model.deformed(&state.displacement);
+    let free = vec![false; state.displacement.len()];
+    let pairs = model.interfaces.list.iter().filter_map(|interface| {
+        let pressures = interface.own(&state.multiplier);
+        let own = (&interface.surface, &pressures[..]);
+        Some(interface.pair()?.curvature(&body, own, &free))
+    });
+    pairs.reduce(|sum, one| sum.plus(&one))
 }

@@ -2,7 +2,7 @@
 //!
 //! | text | functional | unit |
 //! |---|---|---|
-//! | `force.NAME.x` | force of an obstacle on the body | force |
+//! | `force.NAME.x` | force of an obstacle on the body, or of a contact on the body named first | force |
 //! | `moment.NAME.z` | its moment about its reference point | force times length |
 //! | `reaction.NAME.y` | force of a support on the body | force |
 //! | `displacement.NAME.y` | displacement of a probe | length |
@@ -41,7 +41,7 @@ pub struct Goal {
 /// What a goal measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum GoalKind {
-    /// Force that an obstacle exerts on the body.
+    /// Force that an obstacle exerts on the body, or a contact between bodies on the one named first.
     Force,
     /// Moment of that force about the obstacle's present reference point.
     Moment,
@@ -90,7 +90,8 @@ impl GoalKind {
     /// What the name of such a goal is the name of.
     pub fn owner(self) -> &'static str {
         match self {
-            Self::Force | Self::Moment | Self::MaxPressure => "obstacle",
+            Self::Force => "obstacle or contact between bodies",
+            Self::Moment | Self::MaxPressure => "obstacle",
             Self::Reaction => "support",
             Self::Displacement => "probe",
             Self::StrainEnergy => "body",

@@ -4,6 +4,7 @@
 mod common;
 
 mod adapted;
+mod bodies;
 mod bounds;
 mod friction;
 mod gradients;

@@ -4,8 +4,9 @@ use signorini::scene::{
     ContactPair, Formulation, Material, MaterialModel, Modulus, RubberModel, Support, ValuePlace,
     Values,
 };
-use signorini::{Group, GroupKind, Mesh, MeshParts, Scene};
+use signorini::{GroupKind, Mesh, Scene};
 
+pub(crate) use crate::common::meshes::joined;
 use crate::common::node_positions;
 use crate::common::scenes::support;
 
@@ -44,39 +45,6 @@ fn scene<const N: usize>(bodies: [(&str, f64); N], law: impl Fn(f64) -> Material
     };
     scene.solver.verify = true;
     scene
-}
-
-/// Some bodies as one mesh; the groups of each have their names with its prefix.
-pub(crate) fn joined(bodies: &[(&str, MeshParts)]) -> MeshParts {
-    let mut all = MeshParts {
-        coordinates: Vec::new(),
-        cells: Vec::new(),
-        facets: Vec::new(),
-        groups: Vec::new(),
-        ..bodies[0].1.clone()
-    };
-    for (prefix, own) in bodies {
-        let first = all.coordinates.len() as u32;
-        let kind = own.cell_kind;
-        let cells = (all.cells.len() / kind.vertices()) as u32;
-        let facets = (all.facets.len() / kind.facet_vertices()) as u32;
-        all.coordinates.extend(&own.coordinates);
-        all.cells.extend(own.cells.iter().map(|v| v + first));
-        all.facets.extend(own.facets.iter().map(|v| v + first));
-        let named = |group: &Group| {
-            let by = match group.kind {
-                GroupKind::Cells => cells,
-                GroupKind::Facets => facets,
-            };
-            Group {
-                name: format!("{prefix}{}", group.name),
-                kind: group.kind,
-                members: group.members.iter().map(|member| member + by).collect(),
-            }
-        };
-        all.groups.extend(own.groups.iter().map(named));
-    }
-    all
 }
 
 /// A contact named `pair` whose first group carries.

@@ -67,17 +67,21 @@ fn check_one(
                        last increment alone would be wrong";
         faults.unsupported(path, message);
     }
-    if !scene.contacts.is_empty() {
-        let message = "derivatives where bodies touch each other are not solved yet";
+    let mut contacts = scene.contacts.iter();
+    if contacts.any(|one| one.friction > 0.0 || one.tresca.is_some()) {
+        let message = "goals where bodies rub against each other are not solved yet; without \
+                       `friction` of the contact they are";
         faults.unsupported(path, message);
     }
 }
 
 fn has_goal(scene: &Scene, goal: &Goal) -> bool {
     match goal.kind {
-        GoalKind::Force | GoalKind::Moment | GoalKind::MaxPressure => {
-            has_obstacle(scene, &goal.name)
+        GoalKind::Force => {
+            let mut contacts = scene.contacts.iter();
+            has_obstacle(scene, &goal.name) || contacts.any(|one| one.name == goal.name)
         }
+        GoalKind::Moment | GoalKind::MaxPressure => has_obstacle(scene, &goal.name),
         GoalKind::StrainEnergy => true,
         GoalKind::Reaction => scene.supports.iter().any(|one| one.name == goal.name),
         GoalKind::Displacement => scene.probes.iter().any(|one| one.name == goal.name),
