@@ -51,8 +51,17 @@ pub(crate) enum GoalCurveError {
         column: String,
         found: String,
     },
-    #[error("line {line}: time {time} is not above zero and at most {most}, the number of steps")]
+    #[error("line {line}: time {time} is not between zero and {most}, the number of steps")]
     Late { line: u64, time: f64, most: f64 },
+    #[error(
+        "line {line}: {column} is {value} at time 0, where nothing acts yet and every goal is zero: take \
+         off the whole column what it begins with"
+    )]
+    Offset {
+        line: u64,
+        column: String,
+        value: f64,
+    },
     #[error("there are no values below the first row")]
     Empty,
     #[error("more than {MOST} rows")]
@@ -79,7 +88,8 @@ fn reader(bytes: &[u8]) -> csv::Reader<&[u8]> {
         .from_reader(bytes)
 }
 
-/// The curves of a table, of a scene with that many `steps`.
+/// The curves of a table, of a scene with that many `steps`. Rows at time 0 say nothing of constants: they
+/// are left out where they are zero.
 ///
 /// # Errors
 /// [`GoalCurveError`], the first one found.
@@ -107,11 +117,19 @@ pub(crate) fn read(bytes: &[u8], steps: usize) -> Result<GoalCurves, GoalCurveEr
         for (goal, (column, name)) in columns.iter().enumerate() {
             if record.get(*column).is_some_and(|text| !text.is_empty()) {
                 let value = number(&record, (*column, name))?;
-                curves.points.push(Point {
-                    time: at,
-                    goal,
-                    value,
-                });
+                if at > 0.0 {
+                    curves.points.push(Point {
+                        time: at,
+                        goal,
+                        value,
+                    });
+                } else if value != 0.0 {
+                    return Err(GoalCurveError::Offset {
+                        line: line(&record),
+                        column: (*name).to_owned(),
+                        value,
+                    });
+                }
             }
         }
     }
@@ -124,18 +142,22 @@ pub(crate) fn read(bytes: &[u8], steps: usize) -> Result<GoalCurves, GoalCurveEr
 fn moment(record: &StringRecord, column: usize, steps: usize) -> Result<f64, GoalCurveError> {
     let time = number(record, (column, "time"))?;
     let most = steps as f64;
-    if time > 0.0 && time <= most {
+    if (0.0..=most).contains(&time) {
         return Ok(time);
     }
-    let line = record.position().map_or(0, csv::Position::line);
+    let line = line(record);
     Err(GoalCurveError::Late { line, time, most })
+}
+
+fn line(record: &StringRecord) -> u64 {
+    record.position().map_or(0, csv::Position::line)
 }
 
 fn number(record: &StringRecord, (column, name): (usize, &str)) -> Result<f64, GoalCurveError> {
     let text = record.get(column).unwrap_or_default();
     let value = text.parse().ok().filter(|value: &f64| value.is_finite());
     value.ok_or_else(|| GoalCurveError::Number {
-        line: record.position().map_or(0, csv::Position::line),
+        line: line(record),
         column: name.to_owned(),
         found: text.chars().take(40).collect(),
     })
@@ -156,6 +178,20 @@ mod tests {
         let expected = expected.map(|(time, goal, value)| Point { time, goal, value });
         assert_eq!(found.points, expected);
         assert!(has_tests(b"stress,Test,stretch\n") && !has_tests(table.as_bytes()));
+    }
+
+    #[test]
+    fn a_first_row_at_time_zero_is_that_of_the_body_at_rest() {
+        let table = |value: &str| format!("time,force.lid.y\n0,{value}\n1,-2.5\n");
+        let found = read(table("0.0").as_bytes(), 1).unwrap();
+        let expected = Point {
+            time: 1.0,
+            goal: 0,
+            value: -2.5,
+        };
+        assert_eq!(found.points, [expected]);
+        let fault = read(table("0.1").as_bytes(), 1).unwrap_err().to_string();
+        assert!(fault.starts_with("line 2: force.lid.y is 0.1"), "{fault}");
     }
 
     #[test]

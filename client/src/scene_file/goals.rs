@@ -71,7 +71,7 @@ fn targets(keys: &Keys<'_>, (kind, may_lack_axis): (&str, bool)) -> Vec<v1::Accu
 fn target(keys: &Keys<'_>, key: &str, goal: String) -> Option<v1::AccuracyTarget> {
     let tolerance = keys.has(key).then(|| keys.number(key))??;
     if !(tolerance > 0.0 && tolerance.is_finite()) {
-        let message = format!("must be above zero, the error over the value, not {tolerance}");
+        let message = format!("must be above zero, the error over the value, not {tolerance:e}");
         keys.fault(key, message);
     }
     Some(v1::AccuracyTarget { goal, tolerance })
@@ -83,7 +83,10 @@ fn count(keys: &Keys<'_>, key: &str) -> Option<i64> {
     const MOST: f64 = 9e15;
     let number = keys.number(key)?;
     if !(1.0..=MOST).contains(&number) {
-        keys.fault(key, format!("must lie between 1 and {MOST}, not {number}"));
+        keys.fault(
+            key,
+            format!("must lie between 1 and {MOST:e}, not {number:e}"),
+        );
         return None;
     }
     Some(number as i64)

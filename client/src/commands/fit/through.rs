@@ -19,6 +19,10 @@ use crate::report::goal_curves::{GoalCurves, Point};
 use crate::terminal::exit::{Exit, Failure};
 use crate::terminal::text::{note, number, percent};
 
+/// How many times larger a measured curve may be than that of the first constants: units differ by a
+/// thousand, first guesses of a modulus by less.
+const UNITS: f64 = 300.0;
+
 /// A fit with the solves that it took.
 pub(super) struct Through {
     pub(super) fit: Calibrated,
@@ -91,6 +95,9 @@ impl Trial<'_> {
                 |error| format!("mean error {}", percent(error)),
             );
             note(&format!("solve {}: {told}\n", search.trials() + 1));
+            if let Some(modelled) = modelled.as_ref().filter(|_| search.trials() == 0) {
+                self.check_signs(modelled)?;
+            }
             if let (Some(error), Some(modelled)) = (error, &modelled)
                 && error < least
             {
@@ -107,6 +114,40 @@ impl Trial<'_> {
                 }
             }
         }
+    }
+
+    /// Refuses curves that point the other way than those of the scene, which no constants of a stable
+    /// law turn, and says where their sizes are so far apart that units may be.
+    fn check_signs(&self, modelled: &Modelled) -> Result<(), Failure> {
+        for (goal, name) in self.curves.goals.iter().enumerate() {
+            let pairs = self.curves.points.iter().zip(&modelled.values);
+            let own = pairs.filter(|(point, _)| point.goal == goal);
+            let [mut along, mut measured] = [0.0; 2];
+            let mut found = 0.0;
+            for (point, value) in own {
+                along += point.value * value;
+                measured += point.value * point.value;
+                found += value * value;
+            }
+            let sizes = [measured, found].map(f64::sqrt);
+            if points_the_other_way(along, sizes) {
+                let message = format!(
+                    "{name} of the table has the other sign than that of the scene: a force is what the \
+                     tool or the support exerts on the body, so that a lid that moves down has one below \
+                     zero"
+                );
+                return Err(Failure::new(Exit::Invalid, message));
+            }
+            if let Some(times) = far_apart(sizes) {
+                note(&format!(
+                    "warning: {name} of the table is {} times that of the scene with its first constants: \
+                     are the units those of the mesh and the constants, and does a model of a quarter \
+                     have a quarter of the force?\n",
+                    number(times)
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// Root of the mean square of the errors over the largest value of their curves.
@@ -226,6 +267,16 @@ impl Trial<'_> {
     }
 }
 
+/// Whether a measured curve and that of the scene are opposite, from their product and their sizes.
+fn points_the_other_way(along: f64, [measured, found]: [f64; 2]) -> bool {
+    along < -0.5 * measured * found
+}
+
+/// How many times larger a measured curve is than that of the scene; none where they are alike.
+fn far_apart([measured, found]: [f64; 2]) -> Option<f64> {
+    (measured > UNITS * found || found > UNITS * measured).then(|| measured / found)
+}
+
 /// All increments of a scene; none where they do not converge.
 async fn reports(
     client: &Client,
@@ -320,5 +371,18 @@ pub(super) fn plot(through: &Through, curves: &GoalCurves) -> Plot {
         title: through.fit.model.name().to_owned(),
         axes: ["time", "goal"],
         series: series.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_of_the_other_sign_and_of_other_units_are_told_apart() {
+        assert!(points_the_other_way(-2.0, [1.0, 2.0]) && !points_the_other_way(2.0, [1.0, 2.0]));
+        assert!(!points_the_other_way(0.0, [0.0, 2.0]));
+        assert_eq!(far_apart([1000.0, 1.0]), Some(1000.0));
+        assert_eq!(far_apart([1.0, 20.0]), None);
     }
 }

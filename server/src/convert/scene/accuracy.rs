@@ -83,8 +83,14 @@ pub(super) fn of_session(accuracy: &wire::Accuracy, faults: &mut Faults) {
 /// A goal with its axis; a fault where the steps move its obstacle along none.
 fn named(scene: &wire::Scene, goal: &str, faults: &mut Faults) -> String {
     with_axis(scene, goal).unwrap_or_else(|| {
-        let message =
-            format!("the steps move the obstacle along no single axis: name one, such as {goal}.y");
+        let name = goal.split_once('.').map_or("", |(_, name)| name);
+        let message = if scene.obstacles.iter().any(|one| one.name == name) {
+            format!("the steps move the obstacle along no single axis: name one, such as {goal}.y")
+        } else {
+            format!(
+                "the scene has no obstacle \"{name}\"; other forces need their axis, such as {goal}.y"
+            )
+        };
         faults.add(format!("accuracy.{goal}"), message);
         format!("{goal}.y")
     })
