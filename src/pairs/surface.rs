@@ -33,8 +33,8 @@ const LEAST_COVERED: f64 = 1e-3;
 #[derive(Clone, Debug)]
 pub struct PairSurface {
     pub(super) sides: Sides,
-    /// Components that supports hold at a vertex of either surface.
-    pub(super) held: [bool; 3],
+    /// Components that supports hold at the node of each multiplier `[multipliers]`.
+    pub(super) held: Vec<[bool; 3]>,
     /// Gaps and rows of all columns at rest, of a linear body.
     pub(super) at_rest: Option<Linearisation>,
     /// Rows of slips at rest, of a linear body with friction.
@@ -98,7 +98,12 @@ impl PairSurface {
         (facets, meets): ([&[u32]; 2], Meets),
         (surface, section): (&ContactSurface, Section),
     ) -> Self {
-        let held = held(ground, facets);
+        let components = ground.space.components as u32;
+        let held = |&node: &u32| {
+            let is_held = |i: u32| i < components && (ground.is_held)(components * node + i);
+            [0, 1, 2].map(is_held)
+        };
+        let held = surface.carriers.iter().map(held).collect();
         let sides = match ground.space.components {
             2 => Sides::Plane(PlaneSides::new(ground, (facets, meets), (surface, section))),
             _ => Sides::Space(SpaceSides::new(ground, facets, surface)),
@@ -272,18 +277,6 @@ impl PairSurface {
             Sides::Space(sides) => Box::new(sides.probing(body)),
         }
     }
-}
-
-/// Components that supports hold at a vertex of some facets.
-fn held(ground: Ground<'_>, facets: [&[u32]; 2]) -> [bool; 3] {
-    let Ground { mesh, space, .. } = ground;
-    let all = facets.into_iter().flatten();
-    let vertices = all.flat_map(|&facet| mesh.facet(facet as usize));
-    let components = space.components as u32;
-    vertices.fold([false; 3], |held, vertex| {
-        let is_held = |i: u32| i < components && (ground.is_held)(components * vertex + i);
-        [0, 1, 2].map(|i| held[i as usize] || is_held(i))
-    })
 }
 
 /// Gaps and coupling to all columns.

@@ -10,7 +10,7 @@
 //! Rays fan out from a curved surface: those of a ball meet another one, a gap g away, on a part that is
 //! wider by g over the radius. Points that meet in the end are opposite where the surfaces touch. Nothing
 //! moves where normals of what is nearest point all around, as in a ring, along components that supports
-//! hold at the surfaces, across an axis, and between parts of one body. Cost: two more evaluations of
+//! hold at what is nearest, across an axis, and between parts of one body. Cost: two more evaluations of
 //! the gaps, once.
 
 use super::piece::Section;
@@ -24,6 +24,8 @@ const PASSES: usize = 2;
 const SHARPNESS: i32 = 8;
 /// Share of all normals that their sum must have, for it to be a direction; chosen.
 const ALIKE: f64 = 0.5;
+/// Weight from which on a part is near: what supports hold there is not moved; chosen.
+const NEAR: f64 = 0.1;
 /// Gaps below this, over the length of the body, are none.
 const NONE: f64 = 1e-9;
 
@@ -32,6 +34,7 @@ struct Facing {
     gap: f64,
     by_motion: [f64; 3],
     distance: f64,
+    held: [bool; 3],
 }
 
 impl PairSurface {
@@ -69,8 +72,9 @@ impl PairSurface {
         found: &Linearisation,
         (vertices, components): (&[usize], usize),
     ) -> Option<[f64; 3]> {
-        let rows = found.gap.iter().zip(&found.rows);
-        let facing = rows.filter_map(|(&gap, row)| facing(gap, row, (vertices, components)));
+        let rows = found.gap.iter().zip(&found.rows).zip(&self.held);
+        let facing = rows
+            .filter_map(|((&gap, row), &held)| facing((gap, held), row, (vertices, components)));
         let facing: Vec<Facing> = facing.collect();
         let nearest = facing.iter().map(|own| own.distance);
         let nearest = nearest.min_by(f64::total_cmp)?;
@@ -90,7 +94,9 @@ impl PairSurface {
             sum = add(sum, scale(weight(own), own.by_motion));
             all += weight(own) * norm(own.by_motion);
         }
-        let sum = [0, 1, 2].map(|i| if self.stays(i) { 0.0 } else { sum[i] });
+        let near = || facing.iter().filter(|own| weight(own) > NEAR);
+        let stays = |i: usize| self.is_radial(i) || near().any(|own| own.held[i]);
+        let sum = [0, 1, 2].map(|i| if stays(i) { 0.0 } else { sum[i] });
         let size = norm(sum);
         if size < ALIKE * all {
             return None;
@@ -106,19 +112,18 @@ impl PairSurface {
         Some(scale(-closed / square, along))
     }
 
-    /// Whether surfaces are not moved along an axis.
-    fn stays(&self, axis: usize) -> bool {
-        let is_radial = match &self.sides {
-            Sides::Plane(plane) => axis == 0 && plane.pair.section == Section::AboutAxis,
+    /// Whether a component is that across an axis.
+    fn is_radial(&self, component: usize) -> bool {
+        match &self.sides {
+            Sides::Plane(plane) => component == 0 && plane.pair.section == Section::AboutAxis,
             Sides::Space(_) => false,
-        };
-        is_radial || self.held[axis]
+        }
     }
 }
 
 /// What a function faces; none without a partner.
 fn facing(
-    gap: f64,
+    (gap, held): (f64, [bool; 3]),
     row: &[(u32, f64)],
     (vertices, components): (&[usize], usize),
 ) -> Option<Facing> {
@@ -135,5 +140,6 @@ fn facing(
         gap,
         by_motion,
         distance: gap / size,
+        held,
     })
 }
