@@ -35,6 +35,11 @@ pub trait Counterpart: Sync {
     fn covered(&self, _: &ContactFace) -> [f64; 2] {
         [0.0, 1.0]
     }
+
+    /// The share of a face in space that has something to meet.
+    fn share(&self, _: &ContactFace) -> f64 {
+        1.0
+    }
 }
 
 impl<T: Obstacle + ?Sized> Counterpart for T {

@@ -12,7 +12,7 @@ use super::deformed::Deformed;
 use super::edge::portions;
 use super::intervals::{ContactInterval, interval};
 use super::node_gaps::NodeGaps;
-use super::portion::Measured;
+use super::portion::{Measured, whole};
 use super::resultant::{Acting, face_forces};
 use super::stretches::{polygon, stretches};
 use super::surface::{ContactSurface, face_rule};
@@ -79,7 +79,15 @@ pub fn extent<C: Counterpart + ?Sized>(
         portions(&gaps, &pressed)
     };
     for (face, part) in parts {
-        found.area += Measured::of(body, &surface.faces[face]).area(&part, &rule);
+        let face = &surface.faces[face];
+        let measured = Measured::of(body, face);
+        let area = measured.area(&part, &rule);
+        let share = counterpart.share(face);
+        found.area += if share < 1.0 {
+            area.min(share * measured.area(&whole(gaps.corners), &rule))
+        } else {
+            area
+        };
     }
     found
 }

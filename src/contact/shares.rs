@@ -20,6 +20,9 @@ pub struct Shares {
     /// Multipliers that take over each function, with their shares `[functions]`; none
     /// where every function has the multiplier of its own number.
     columns: Option<Vec<Vec<(u32, f64)>>>,
+    /// The function whose multiplier each was made, where not all have their own `[multipliers]`; none
+    /// where that is on another part of the surface.
+    functions: Vec<Option<u32>>,
 }
 
 impl Shares {
@@ -28,6 +31,7 @@ impl Shares {
         Self {
             multipliers: functions,
             columns: None,
+            functions: Vec::new(),
         }
     }
 
@@ -54,9 +58,11 @@ impl Shares {
                 takers.map(|&taker| (own[taker as usize], share)).collect()
             }
         };
+        let all = (0..).zip(takers).filter(|(_, taken)| taken.is_none());
         Self {
             multipliers: next as usize,
             columns: Some(takers.iter().enumerate().map(column).collect()),
+            functions: all.map(|(k, _)| Some(k)).collect(),
         }
     }
 
@@ -74,16 +80,64 @@ impl Shares {
         };
         let columns: Vec<Vec<(u32, f64)>> = functions.iter().map(column).collect();
         let is_identity = (0..).zip(&columns).all(|(k, column)| *column == [(k, 1.0)]);
+        let own = |&m: &u32| -> Option<u32> {
+            let function = self.function(m)?;
+            let place = functions.iter().position(|&other| other == function)?;
+            Some(place as u32)
+        };
+        let all = occurring.iter().map(own);
         let part = Self {
             multipliers: occurring.len(),
+            functions: if is_identity {
+                Vec::new()
+            } else {
+                all.collect()
+            },
             columns: (!is_identity).then_some(columns),
         };
         (part, occurring)
     }
 
+    /// The same where `takers[m]` take over multiplier m in equal parts; it keeps its number, and no
+    /// function. Takers keep their own.
+    pub(super) fn lending(&self, takers: &[Option<Vec<u32>>]) -> Self {
+        if takers.iter().all(Option::is_none) {
+            return self.clone();
+        }
+        let functions = self.columns.as_ref().map_or(self.multipliers, Vec::len);
+        let column = |function: usize| -> Vec<(u32, f64)> {
+            let own = self.of(function as u32);
+            let mut column: Vec<(u32, f64)> = own
+                .flat_map(|(m, share)| match &takers[m as usize] {
+                    None => vec![(m, share)],
+                    Some(takers) => {
+                        let part = share / takers.len() as f64;
+                        takers.iter().map(|&taker| (taker, part)).collect()
+                    }
+                })
+                .collect();
+            add_equal_columns(&mut column);
+            column
+        };
+        let all = 0..self.multipliers as u32;
+        Self {
+            multipliers: self.multipliers,
+            columns: Some((0..functions).map(column).collect()),
+            functions: all.map(|m| self.function(m)).collect(),
+        }
+    }
+
     /// Number of multipliers.
     pub fn multipliers(&self) -> usize {
         self.multipliers
+    }
+
+    /// The function whose multiplier this was made; none where that is on another part of the surface.
+    pub fn function(&self, multiplier: u32) -> Option<u32> {
+        match self.functions.get(multiplier as usize) {
+            Some(function) => *function,
+            None => Some(multiplier),
+        }
     }
 
     /// Multipliers of a function with their shares.
@@ -172,6 +226,17 @@ mod tests {
         assert_eq!(shares.spread(&[2.0, 4.0])[..], [3.0, 2.0, 0.0, 4.0]);
         assert_eq!(shares.gather(vec![1.0, 2.0, 4.0, 8.0]), [2.5, 8.5]);
         assert_eq!(shares.of(0).collect::<Vec<_>>(), [(0, 0.5), (1, 0.5)]);
+        assert_eq!([0, 1].map(|m| shares.function(m)), [Some(1), Some(3)]);
+    }
+
+    #[test]
+    fn a_multiplier_that_lends_its_functions_keeps_its_number() {
+        let lending = shares().lending(&[None, Some(vec![0])]);
+        assert_eq!(lending.multipliers(), 2);
+        assert_eq!(lending.spread(&[2.0, 4.0])[..], [2.0, 2.0, 0.0, 2.0]);
+        assert_eq!(lending.gather(vec![1.0, 2.0, 4.0, 8.0]), [11.0, 0.0]);
+        let alone = Shares::identity(3).lending(&[None, Some(vec![0, 2]), None]);
+        assert_eq!(alone.gather(vec![1.0, 2.0, 4.0]), [2.0, 0.0, 5.0]);
     }
 
     #[test]

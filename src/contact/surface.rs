@@ -148,6 +148,22 @@ impl ContactSurface {
         }
     }
 
+    /// The same where `takers[m]` take over multiplier m in equal parts: it has no function then, and
+    /// the weight that it had.
+    pub fn lending(&self, takers: &[Option<Vec<u32>>]) -> Self {
+        let mut weights = self.weights.clone();
+        for (takers, lent) in takers.iter().zip(&self.weights) {
+            let takers = takers.iter().flatten();
+            let part = lent / takers.clone().count() as f64;
+            takers.for_each(|&taker| weights[taker as usize] += part);
+        }
+        Self {
+            shares: self.shares.lending(takers),
+            weights,
+            ..self.clone()
+        }
+    }
+
     /// Number of multipliers.
     pub fn multipliers(&self) -> usize {
         self.shares.multipliers()

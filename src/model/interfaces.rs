@@ -32,7 +32,7 @@ use crate::element::quadrature::Rule;
 use crate::geometry::RigidMotion;
 use crate::mesh::Mesh;
 use crate::obstacle::{Moving, Obstacle};
-use crate::pairs::{Ground, PairSurface, Section};
+use crate::pairs::{Ground, PairSurface, Section, Support, lending};
 use crate::plan::Plan;
 use crate::plan::pairs::PlannedPair;
 use crate::plan::surfaces::ContactLayout;
@@ -135,6 +135,21 @@ impl Interface {
         matches!(self.role, Role::Contact(_) | Role::Support(_))
     }
 
+    /// Has multipliers that meet next to nothing where the linear `body` is at rest lend their functions.
+    fn lend_at_rest(&mut self, body: &Deformed<'_>) {
+        if let Some(pair) = self.pair() {
+            let supports = pair.supports_at_rest(body, &self.surface);
+            self.lend(body, &supports);
+        }
+    }
+
+    /// Has multipliers lend their functions that have as little to press on as `supports` say.
+    pub(super) fn lend(&mut self, body: &Deformed<'_>, supports: &[Support]) {
+        if self.pair().is_some() {
+            self.surface = lending(body, &self.surface, supports);
+        }
+    }
+
     /// Takes the gap to another body where the linear `body` is at rest.
     fn freeze(&mut self, body: &Deformed<'_>) {
         if let Role::Pair(pair) = &mut self.role {
@@ -225,14 +240,6 @@ impl Interfaces {
             rule: &rule,
             measure: Measure::Undeformed,
         };
-        if !plan.problem.resolved.is_rubber() {
-            list.iter_mut().for_each(|one| one.freeze(&body));
-            let own = list.iter_mut().skip(plan.problem.obstacles.len());
-            let rough = own.zip(&plan.problem.pairs);
-            for (one, _) in rough.filter(|(_, pair)| pair.is_frictional()) {
-                one.freeze_sliding(&body);
-            }
-        }
         let surfaces = list.iter().map(|one| (&one.multipliers[..], &one.surface));
         let surfaces: Vec<(&[u32], &ContactSurface)> = surfaces.collect();
         let friction = Friction::new(plan, &body, &surfaces);
@@ -240,9 +247,13 @@ impl Interfaces {
         if let Some(friction) = friction.as_ref().filter(|_| !moduli.is_empty()) {
             friction.take_over(&mut moduli);
         }
+        let metric = SurfaceMetric::new(plan, mesh, &surfaces);
+        if !plan.problem.resolved.is_rubber() {
+            at_rest_for_good(plan, &mut list, &body);
+        }
         Self {
             sets: sets(plan),
-            metric: SurfaceMetric::new(plan, mesh, &surfaces),
+            metric,
             normals: plan.normal_multipliers(),
             moduli,
             friction,
@@ -312,6 +323,19 @@ impl Interfaces {
             });
         let others: Vec<Placed> = others.collect();
         self.list.iter().zip(obstacles.chain(others))
+    }
+}
+
+/// Takes what linear bodies mean to each other where they are at rest.
+fn at_rest_for_good(plan: &Plan, list: &mut [Interface], body: &Deformed<'_>) {
+    for one in list.iter_mut() {
+        one.lend_at_rest(body);
+        one.freeze(body);
+    }
+    let own = list.iter_mut().skip(plan.problem.obstacles.len());
+    let rough = own.zip(&plan.problem.pairs);
+    for (one, _) in rough.filter(|(_, pair)| pair.is_frictional()) {
+        one.freeze_sliding(body);
     }
 }
 

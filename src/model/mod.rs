@@ -24,6 +24,7 @@ pub(crate) mod inside_out;
 pub(crate) mod interfaces;
 pub(crate) mod internal;
 pub(crate) mod joined;
+pub(crate) mod lending;
 pub(crate) mod loads;
 pub(crate) mod mean_pressure;
 pub(crate) mod open_gap;

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use super::drive::Drive;
 use crate::assembly::strain::StrainGrid;
 use crate::inequality::QpScales;
+use crate::pairs::Support;
 use crate::plan::Plan;
 use crate::prepare::TaylorHoodData;
 use crate::saddle::Status;
@@ -38,6 +39,9 @@ pub(crate) struct State {
     /// Whether each node of the surface of each fluid is wet `[fluids][nodes of the surface]`; empty
     /// without fluids.
     pub(crate) wet: Vec<Vec<bool>>,
+    /// What multipliers have to press on `[multipliers]`, of contacts between bodies of finite strain
+    /// where some lend their functions to others; empty elsewhere.
+    pub(crate) supports: Vec<Support>,
     /// What moved the surface where the response of the body has answered; none after others,
     /// and in every checkpoint.
     pub(crate) surface_load: Option<SurfaceLoad>,
@@ -129,6 +133,7 @@ impl State {
                 .iter()
                 .map(|surface| surface.sources.clone())
                 .collect(),
+            supports: Vec::new(),
             surface_load: None,
         }
     }
@@ -141,6 +146,12 @@ impl State {
         } else {
             cells.clone()
         })
+    }
+
+    /// Whether a multiplier lends its function to others.
+    pub(crate) fn lends(&self, multiplier: usize) -> bool {
+        let support = self.supports.get(multiplier);
+        support.is_some_and(|support| support.lends())
     }
 
     /// Whether displacement and pressure are those of the whole body, not of its surface alone.

@@ -18,6 +18,18 @@ pub(super) struct Derivatives {
     pub(super) rows: Vec<Row>,
 }
 
+/// Raises shares `[functions]` to what a face has of its own, `[covered, whole]`.
+pub(super) fn raise<const N: usize>(
+    shares: &mut [f64],
+    functions: &[u32; N],
+    [covered, whole]: [&[f64; N]; 2],
+) {
+    for (&function, (covered, whole)) in functions.iter().zip(covered.iter().zip(whole)) {
+        let share = &mut shares[function as usize];
+        *share = share.max(covered / whole);
+    }
+}
+
 /// The gap between two surfaces.
 pub(super) trait Gaps {
     /// G `[functions]`.
@@ -34,6 +46,9 @@ pub(super) trait Gaps {
 
     /// int psi_j over what has a partner, and over all, by deformed area `[functions]`.
     fn covered(&self) -> [Vec<f64>; 2];
+
+    /// The largest part of psi_j on a face that has a partner, over all of it there `[functions]`.
+    fn shares(&self) -> Vec<f64>;
 
     /// The deepest penetration at a point of the rule.
     fn deepest(&self) -> f64;

@@ -31,6 +31,7 @@
 //! | [`surface`] | gaps, coupling and curvature of a surface of multipliers |
 //! | `rest` | gaps and slips of linear bodies |
 //! | [`slip`] | how far a piece has slid, and what tractions do |
+//! | [`support`] | functions with next to nothing to press on |
 //! | [`sliding`] | slips of a surface of multipliers |
 //! | `touching` | where linear bodies touch |
 //! | [`probing`] | what is told of points |
@@ -54,6 +55,7 @@ mod rest;
 pub mod sliding;
 pub mod slip;
 pub mod space;
+pub mod support;
 pub mod surface;
 mod touching;
 pub mod tree;
@@ -64,6 +66,7 @@ pub use ground::Ground;
 pub use pair::{Meeting, Pair, Part, Placed, Probe};
 pub use piece::Section;
 pub use slip::Sliding;
+pub use support::{Support, lending};
 pub use surface::{PairForce, PairSurface};
 
 #[cfg(test)]

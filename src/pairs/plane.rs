@@ -3,7 +3,7 @@
 //! Shapes: of each face of the carrier the functions of its ends a and b and its edge; sums
 //! `[functions]`, rows by displacement unknowns, two a node. Cost: see [`super::pair`].
 
-use super::between::{Derivatives, Gaps, Row};
+use super::between::{Derivatives, Gaps, Row, raise};
 use super::chain::Chain;
 use super::fold::{Fold, Meets};
 use super::ground::Ground;
@@ -145,6 +145,15 @@ impl Gaps for PlaneGaps<'_> {
             }
         }
         sums
+    }
+
+    fn shares(&self) -> Vec<f64> {
+        let mut shares = vec![0.0; self.count];
+        for (face, [covered, whole]) in self.placed.covered().iter().enumerate() {
+            let functions = self.sides.functions_of(face);
+            raise(&mut shares, &functions, [covered, whole]);
+        }
+        shares
     }
 
     fn deepest(&self) -> f64 {

@@ -8,8 +8,8 @@
 //! Shapes: gaps and rows `[multipliers]`, K `[unknowns, unknowns]`, all non-dimensional. At finite
 //! strain about the deformed surfaces; of a linear body they are taken once, where the surfaces touch
 //! ([`super::touching`]), by how these move against each other alone ([`super::rest`]), so that G is
-//! linear in u. A function of which less than `LEAST_COVERED` has a partner has no row, and a gap as
-//! wide as the search. Cost: see [`super::pair`] and [`super::space`].
+//! linear in u. A function of which less than `LEAST_COVERED` has a partner, and one that others take
+//! over, has no row, and a gap as wide as the search. Cost: see [`super::pair`] and [`super::space`].
 
 use std::collections::BTreeSet;
 
@@ -160,7 +160,7 @@ impl PairSurface {
     }
 
     /// What `task` makes of the gaps of functions where `body` has the surfaces.
-    fn gaps_of<T>(
+    pub(super) fn gaps_of<T>(
         &self,
         (body, surface): (&Deformed<'_>, &ContactSurface),
         task: impl FnOnce(&dyn Gaps) -> T,
@@ -307,8 +307,14 @@ fn linearised(
 pub(super) fn uncovered(found: &dyn Gaps, surface: &ContactSurface) -> Vec<Option<f64>> {
     let [covered, whole] = found.covered().map(|sums| surface.shares.gather(sums));
     let pairs = covered.into_iter().zip(whole);
+    let is_away = |covered: f64, whole: f64| covered < LEAST_COVERED * whole || whole <= 0.0;
     pairs
-        .map(|(covered, whole)| (covered < LEAST_COVERED * whole).then_some(found.reach() * whole))
+        .zip(&surface.weights)
+        .map(|((covered, whole), weight)| {
+            // One that others take over has no area left.
+            let area = if whole > 0.0 { whole } else { *weight };
+            is_away(covered, whole).then_some(found.reach() * area)
+        })
         .collect()
 }
 

@@ -100,7 +100,8 @@ impl<'a> Touching<'a> {
         let at = own.acting([0.0; 3]);
         let probing = pair.probing(&self.body);
         let extent = extent(&self.body, &interface.surface, &*probing, at);
-        let found = resultant(&self.body, &interface.surface, &*probing, at);
+        let pressed = (&interface.surface, &own.pressure[..]);
+        let normal_force = pair.normal_force(&self.body, pressed);
         let forces = pair.forces(&self.body, (&interface.surface, &own.pressure));
         let (force, moment, sign) = if first_carries {
             (forces.on_carrier, forces.moment, 1.0)
@@ -122,7 +123,7 @@ impl<'a> Touching<'a> {
             contact_area: area,
             contact_width: intervals.iter().map(|own| own.width).sum(),
             contact_intervals: intervals,
-            mean_pressure: (area > 0.0).then(|| found.normal_force * units.force() / area),
+            mean_pressure: (area > 0.0).then(|| normal_force * units.force() / area),
             peak_pressure: extent.peak.map_or(0.0, |(value, _)| value * units.stress),
             peak_pressure_place: extent.peak.map(|(_, at)| at.map(|x| x * units.length)),
             friction: None,

@@ -23,6 +23,7 @@ use crate::model::drive::Drive;
 use crate::model::given::Given;
 use crate::model::push::{Push, named};
 use crate::model::state::{SlipState, State};
+use crate::pairs::Support;
 use crate::plan::Plan;
 
 use bytes::{Fields, Reader, Writer};
@@ -45,6 +46,8 @@ const WITH_FACTOR: u32 = 5;
 const WITH_SUPPORTS: u32 = 6;
 /// Of the format with fluids, where a scene has any.
 const WITH_FLUIDS: u32 = 7;
+/// Of the format with multipliers that lend their functions, where any do.
+const WITH_LENDING: u32 = 8;
 /// Bytes of a SHA-256 digest.
 const DIGEST: usize = 32;
 /// More steps than any session takes.
@@ -143,6 +146,7 @@ impl Checkpoint {
             (true, []) => VERSION,
         };
         let of_state = match (self.state.by_factor, self.state.slip.residue.is_empty()) {
+            _ if !self.state.supports.is_empty() => WITH_LENDING,
             (true, _) => WITH_FACTOR,
             (false, true) => VERSION,
             (false, false) => WITH_RESIDUES,
@@ -182,8 +186,8 @@ fn verified(bytes: &[u8]) -> Result<(u32, &[u8]), CheckpointError> {
     let rest = rest.ok_or(CheckpointError::NotACheckpoint)?;
     let (version, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
     let found = u32::from_le_bytes(*version);
-    if !(VERSION..=WITH_FLUIDS).contains(&found) {
-        let known = WITH_FLUIDS;
+    if !(VERSION..=WITH_LENDING).contains(&found) {
+        let known = WITH_LENDING;
         return Err(CheckpointError::UnknownVersion { found, known });
     }
     let (body, written) = rest
@@ -230,11 +234,37 @@ fn visit_state<E>(
     for wet in &mut state.wet {
         fields.flags("wet nodes", wet)?;
     }
+    if version >= WITH_LENDING {
+        visit_supports(state, fields)?;
+    }
     if state.slip.total.is_empty() {
         Ok(())
     } else {
         visit_slip(&mut state.slip, version, fields)
     }
+}
+
+/// What multipliers have to press on, as two lists of flags.
+fn visit_supports<E>(state: &mut State, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
+    let supports = &mut state.supports;
+    supports.resize(state.multiplier.len(), Support::Enough);
+    let of = |kind: Support| {
+        supports
+            .iter()
+            .map(|one| *one == kind)
+            .collect::<Vec<bool>>()
+    };
+    let [mut nothing, mut little] = [Support::Nothing, Support::Little].map(of);
+    fields.flags("multipliers without a partner", &mut nothing)?;
+    fields.flags("multipliers that lend", &mut little)?;
+    for (support, flags) in supports.iter_mut().zip(nothing.into_iter().zip(little)) {
+        *support = match flags {
+            (_, true) => Support::Little,
+            (true, false) => Support::Nothing,
+            (false, false) => Support::Enough,
+        };
+    }
+    Ok(())
 }
 
 /// What friction did, in scenes that have it.

@@ -53,7 +53,8 @@ impl Session {
         self.check_lineage(&plan, &mesh, lineage)?;
         self.complete();
         let mut next = Self::new(plan, mesh, prepared, reuse);
-        let from = (&self.body.model(), &self.state);
+        let lending = self.body.lending(&self.state);
+        let from = (&self.body.model_with(&lending), &self.state);
         next.state = carried(from, &next.body.model(), lineage);
         next.target.clone_from(&self.target);
         next.begun.clone_from(&self.begun);

@@ -17,6 +17,7 @@ use crate::model::counters::Counters;
 use crate::model::drive::Drive;
 use crate::model::friction::{SlipStart, note_slip};
 use crate::model::interfaces::Interfaces;
+use crate::model::lending::lend_anew;
 use crate::model::loads::reference_load;
 use crate::model::push::Applied;
 use crate::model::state::{Start, State};
@@ -66,7 +67,12 @@ impl TaylorHoodBody {
         }
     }
 
-    /// The body as an increment or a report reads it, at the tolerance of the scene.
+    /// The surfaces of `state` where these lend functions to each other; none where they are the body's own.
+    pub(super) fn lending(&self, state: &State) -> Option<Interfaces> {
+        self.interfaces.lending(&self.model(), state)
+    }
+
+    /// The body as it is without functions that are lent, at the tolerance of the scene.
     pub(super) fn model(&self) -> Model<'_> {
         Model {
             plan: &self.plan,
@@ -86,10 +92,22 @@ impl TaylorHoodBody {
         }
     }
 
-    /// An increment on the body, at its begin.
-    fn run<'a>(&'a self, increment: &'a mut Increment<'_>) -> Run<'a> {
+    /// The body as an increment or a report reads it, with the surfaces of [`Self::lending`].
+    pub(super) fn model_with<'a>(&'a self, lending: &'a Option<Interfaces>) -> Model<'a> {
+        Model {
+            interfaces: lending.as_ref().unwrap_or(&self.interfaces),
+            ..self.model()
+        }
+    }
+
+    /// An increment on the body, at its begin, with the surfaces of [`Self::lending`].
+    fn run<'a>(
+        &'a self,
+        increment: &'a mut Increment<'_>,
+        lending: &'a Option<Interfaces>,
+    ) -> Run<'a> {
         Run {
-            model: self.model(),
+            model: self.model_with(lending),
             state: increment.state,
             learned: increment.learned,
             watch: increment.watch.shared(),
@@ -132,7 +150,10 @@ impl TaylorHoodBody {
         goal: &Drive,
         before: &State,
     ) -> Advanced {
-        let mut run = self.run(&mut increment);
+        let lends = lend_anew(&self.model(), increment.state).then(|| increment.state.clone());
+        let before = lends.as_ref().unwrap_or(before);
+        let lending = self.lending(before);
+        let mut run = self.run(&mut increment, &lending);
         let has_friction = self.interfaces.friction.is_some();
         run.model.conditions = self.conditions(has_friction.then(|| SlipStart::at(before).into()));
         let (mut ending, part) = continuation::advance(&mut run, goal);
@@ -156,20 +177,22 @@ impl TaylorHoodBody {
 
     /// Makes the state that of the whole body, and hands the scratch vectors back.
     pub(super) fn complete<'a>(&'a self, mut at: Increment<'a>) -> Workspace {
-        inside::complete(&mut self.run(&mut at));
+        let lending = self.lending(at.state);
+        inside::complete(&mut self.run(&mut at, &lending));
         at.work
     }
 
     /// What obstacles exert on the body at `state`, and supports where `end` pushes them.
     pub(super) fn applied(&self, state: &State, end: &Drive) -> Applied {
-        applied(&self.model(), state, end)
+        applied(&self.model_with(&self.lending(state)), state, end)
     }
 
     /// The report of an increment, without what only the session knows.
     pub(super) fn report(&self, state: &State, advanced: &mut Advanced) -> StepReport {
+        let lending = self.lending(state);
         let model = Model {
             conditions: self.conditions(advanced.slip_start.clone()),
-            ..self.model()
+            ..self.model_with(&lending)
         };
         let Advanced {
             ending,
@@ -212,7 +235,8 @@ impl TaylorHoodBody {
         questions: &[GoalQuestions],
         cancel: &CancelToken,
     ) -> Result<Answers, GoalError> {
-        let whole = inside::completed(&self.model(), state, learned);
+        let lending = self.lending(state);
+        let whole = inside::completed(&self.model_with(&lending), state, learned);
         let mut increment = Increment {
             state: &mut whole.unwrap_or_else(|| state.clone()),
             learned: &mut learned.copy(),
@@ -225,7 +249,7 @@ impl TaylorHoodBody {
             counters: Counters::new(),
             work: Workspace::new(),
         };
-        let mut run = self.run(&mut increment);
+        let mut run = self.run(&mut increment, &lending);
         let start = before.filter(|_| self.interfaces.friction.is_some());
         run.model.conditions = self.conditions(start.map(|start| SlipStart::at(start).into()));
         goals::answer(&mut run, questions)
@@ -261,7 +285,8 @@ impl TaylorHoodBody {
         (state, learned): (&State, &Learned),
         name: FieldName,
     ) -> Option<FieldData> {
-        let model = self.model();
+        let lending = self.lending(state);
+        let model = self.model_with(&lending);
         let whole = inside::completed(&model, state, learned);
         if whole.is_none() && !state.is_whole() {
             return None;

@@ -7,6 +7,7 @@ mod begun_apart;
 mod box_of_two;
 mod boxes;
 mod cylinders;
+mod ends;
 mod floating;
 mod folds;
 mod friction;

@@ -20,7 +20,7 @@ type Row = Vec<(u32, f64)>;
 #[derive(Clone, Debug)]
 pub(crate) struct PairPoints {
     /// Its place among all interfaces.
-    pub(super) interface: usize,
+    pub(crate) interface: usize,
     /// Its points.
     pub(crate) points: Range<usize>,
 }

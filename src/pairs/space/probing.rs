@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use super::outline::{Polygon, middle, sides};
+use super::outline::{Polygon, middle, sides, whole};
 use super::pair::{Pair, Placed};
 use super::patch::{At, Patch};
 use super::rays::{Rayed, hit};
@@ -118,5 +118,13 @@ impl Counterpart for Probing {
                 },
             };
         }
+    }
+
+    fn share(&self, face: &ContactFace) -> f64 {
+        let site = self.sites.get(&key(&face.nodes));
+        let partners = site.into_iter().flat_map(|site| &site.partners);
+        // A face has an area of 1/2 in its own coordinates.
+        let parts = partners.map(|(polygon, _)| 2.0 * whole(polygon));
+        parts.sum::<f64>().min(1.0)
     }
 }

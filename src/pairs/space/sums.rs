@@ -17,7 +17,7 @@ use super::patch::NODES;
 use super::skin::Skin;
 use crate::contact::shares::add_equal_columns;
 use crate::geometry::vector3::max_norm;
-use crate::pairs::between::{Derivatives, Gaps};
+use crate::pairs::between::{Derivatives, Gaps, raise};
 use crate::parallel::{self, Pieces};
 
 /// Fewer rows are not worth a second thread.
@@ -272,6 +272,16 @@ impl Gaps for SpaceGaps<'_> {
             self.of_meetings(|totals| &totals.covered),
             self.summed(whole.iter().enumerate()),
         ]
+    }
+
+    fn shares(&self) -> Vec<f64> {
+        let whole = self.placed.whole();
+        let mut shares = vec![0.0; self.count];
+        for (meeting, own) in self.placed.meetings.iter().zip(self.totals()) {
+            let (functions, whole) = (&self.functions[meeting.face], &whole[meeting.face]);
+            raise(&mut shares, functions, [&own.covered, whole]);
+        }
+        shares
     }
 
     fn deepest(&self) -> f64 {

@@ -1,0 +1,137 @@
+//! Functions of contacts between bodies of finite strain that meet next to nothing: found where an
+//! increment begins ([`crate::pairs::support`]), noted in the state, and lent to their neighbours by
+//! the surfaces of that increment.
+//!
+//! ```text
+//! Lam_m = sum_k S_km Lam_k of before,   at the node of m's own function
+//! ```
+//!
+//! Pressures and tractions stay what they were where a function keeps its multiplier or gets one; one
+//! that lends has none. What no slip explains is a mean over a function, and goes along. Linear bodies
+//! have what they are at rest for good. Cost: one search of partners an increment.
+
+use super::Model;
+use super::friction::Friction;
+use super::interfaces::{Interface, Interfaces};
+use super::state::State;
+use crate::pairs::Support;
+use crate::saddle::Status;
+
+/// What the multipliers of `base` have to press on where the body is; empty where none lends.
+fn supports(base: &Model<'_>, state: &State) -> Vec<Support> {
+    let body = base.deformed(&state.displacement);
+    let before = base.interfaces.lending(base, state);
+    let before = before.as_ref().unwrap_or(base.interfaces);
+    let mut all = vec![Support::Enough; state.multiplier.len()];
+    for (interface, old) in base.interfaces.list.iter().zip(&before.list) {
+        if let Some(pair) = interface.pair() {
+            let pressures = carried([old, interface], &interface.own(&state.multiplier));
+            let own = pair.supports(&body, (&interface.surface, &pressures));
+            for (place, support) in interface.places().zip(own) {
+                all[place] = support;
+            }
+        }
+    }
+    if all.iter().any(|support| support.lends()) {
+        all
+    } else {
+        Vec::new()
+    }
+}
+
+impl Interfaces {
+    /// Those of the increment that has led to `state`, or leads on from it; none where they are these.
+    pub(crate) fn lending(&self, base: &Model<'_>, state: &State) -> Option<Self> {
+        if state.supports.is_empty() {
+            return None;
+        }
+        let body = base.deformed(&state.displacement);
+        let mut lending = self.clone();
+        for interface in &mut lending.list {
+            interface.lend(&body, &interface.own(&state.supports).into_owned());
+        }
+        Some(lending)
+    }
+}
+
+/// Notes which multipliers lend from now on, and moves what they carry; `base` has none lend. Says
+/// whether any has changed.
+pub(crate) fn lend_anew(base: &Model<'_>, state: &mut State) -> bool {
+    let has_pairs = !base.plan.problem.pairs.is_empty();
+    if !base.is_rubber() || !has_pairs {
+        return false;
+    }
+    let found = supports(base, state);
+    if found == state.supports {
+        return false;
+    }
+    let before = base.interfaces.lending(base, state);
+    let before = before.as_ref().unwrap_or(base.interfaces);
+    let from = state.clone();
+    state.supports = found;
+    let after = base.interfaces.lending(base, state);
+    let after = after.as_ref().unwrap_or(base.interfaces);
+    for (old, new) in before.list.iter().zip(&after.list) {
+        if new.pair().is_some() {
+            press([old, new], &from, state);
+        }
+    }
+    if let Some(friction) = &base.interfaces.friction {
+        rub(friction, [before, after], &from, state);
+    }
+    true
+}
+
+/// Values of the multipliers of `new`, from those of `old`, that of its own function for each.
+fn carried([old, new]: [&Interface; 2], values: &[f64]) -> Vec<f64> {
+    let coefficients = old.surface.shares.spread(values);
+    let own = (0..new.surface.multipliers() as u32).map(|m| {
+        let function = new.surface.shares.function(m);
+        function.map_or(0.0, |k| coefficients[k as usize])
+    });
+    own.collect()
+}
+
+/// Moves the pressures of a contact.
+fn press(both: [&Interface; 2], from: &State, state: &mut State) {
+    let new = both[1];
+    let values = carried(both, &new.own(&from.multiplier));
+    for (place, value) in new.places().zip(values) {
+        let value = if state.lends(place) { 0.0 } else { value };
+        state.multiplier[place] = value;
+        let status = &mut state.status[place];
+        *status = match (value > 0.0, *status) {
+            (false, _) => Status::Open,
+            (true, Status::Open) => Status::Stick,
+            (true, status) => status,
+        };
+    }
+}
+
+/// Moves the tractions of contacts between bodies, and what no slip explains.
+fn rub(friction: &Friction, [before, after]: [&Interfaces; 2], from: &State, state: &mut State) {
+    for own in &friction.pairs {
+        let [old, new] = [before, after].map(|all| &all.list[own.interface]);
+        let places = own.points.clone().map(|point| friction.first + point);
+        let tractions: Vec<f64> = places.clone().map(|place| from.multiplier[place]).collect();
+        let tractions = carried([old, new], &tractions);
+        let means = own.points.clone().zip(&old.surface.weights);
+        let means: Vec<f64> = means
+            .map(|(point, weight)| from.slip.residue[3 * point] / weight)
+            .collect();
+        let means = carried([old, new], &means);
+        let pressures = new.own(&state.multiplier).into_owned();
+        for (m, place) in places.enumerate() {
+            let is_pressed = pressures[m] > 0.0;
+            let status = &mut state.status[place];
+            state.multiplier[place] = if is_pressed { tractions[m] } else { 0.0 };
+            *status = match (is_pressed, *status) {
+                (false, _) => Status::Open,
+                (true, Status::Open) => Status::Stick,
+                (true, status) => status,
+            };
+            let point = own.points.start + m;
+            state.slip.residue[3 * point] = means[m] * new.surface.weights[m];
+        }
+    }
+}
