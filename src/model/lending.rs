@@ -48,7 +48,7 @@ impl Interfaces {
         let body = base.deformed(&state.displacement);
         let mut lending = self.clone();
         for interface in &mut lending.list {
-            interface.lend(&body, &interface.own(&state.supports).into_owned());
+            interface.lend(&body, &interface.own(&state.supports));
         }
         Some(lending)
     }
