@@ -14,7 +14,7 @@ use crate::prepare::Prepared;
 use crate::refinement::{Hierarchy, Limits, Refined, RefinementError};
 use crate::report::{CancelToken, GoalReport, Observer, StepReport, Termination};
 use crate::scene::{Scene, Step, SurfaceGeometry};
-use crate::session::{Reuse, Session};
+use crate::session::{NotCarried, Reuse, Session};
 
 /// What is solved.
 #[derive(Clone, Copy, Debug)]
@@ -114,6 +114,8 @@ fn check(problem: Problem<'_>, accuracy: &Accuracy) -> Result<(), AdaptionError>
         Err(AdaptionError::Malformed("tolerances must be above zero"))
     } else if accuracy.targets.iter().enumerate().any(is_repeated) {
         Err(AdaptionError::Malformed("it names a goal twice"))
+    } else if !problem.scene.contacts.is_empty() || !problem.scene.ties.is_empty() {
+        Err(NotCarried::ContactPairs.into())
     } else if problem.steps.is_empty() {
         Err(AdaptionError::Malformed("there is no step"))
     } else {

@@ -37,7 +37,7 @@ pub(crate) struct Answers {
 /// answer keeps nothing else from having one.
 ///
 /// # Errors
-/// [`GoalError`] where nothing has an answer, and where it was stopped.
+/// [`GoalError`] where the state as a whole has none, and where it was stopped.
 pub(crate) fn answer(run: &mut Run<'_>, questions: &[GoalQuestions]) -> Result<Answers, GoalError> {
     let mut asked = Asked::of(questions);
     let mut answers = Answers::default();
@@ -190,6 +190,16 @@ impl<'q> Asked<'q> {
         }
     }
 
+    /// What the goal is asked for; after history has refused derivatives, bounds at most.
+    fn purpose_of(&self, goal: &Goal) -> Purpose {
+        let is_bounded_only = self.about(goal).all(|one| one.parameters.is_empty());
+        if is_bounded_only {
+            Purpose::Bounds
+        } else {
+            self.purpose()
+        }
+    }
+
     /// What obstacles are pushed by, where errors or derivatives are asked for.
     fn pushes(&self, model: &Model<'_>, state: &State) -> Result<Vec<(Control, Goal)>, GoalError> {
         let mut errors = self.questions.iter().map(|one| one.errors);
@@ -241,7 +251,7 @@ fn once<'a, T: Clone + Eq + std::hash::Hash + 'a>(all: impl Iterator<Item = &'a 
 /// Dual solutions of the goals that have one.
 ///
 /// # Errors
-/// [`GoalError::Stopped`], and that of the only goal.
+/// [`GoalError::Stopped`].
 fn all(
     run: &mut Run<'_>,
     program: &mut QuadraticProgram<'_>,
@@ -249,7 +259,7 @@ fn all(
 ) -> Result<Vec<Dual>, GoalError> {
     let mut duals = Vec::with_capacity(asked.goals.len());
     for goal in &asked.goals {
-        match dual(run, program, (goal, asked.purpose())) {
+        match dual(run, program, (goal, asked.purpose_of(goal))) {
             Ok(dual) => duals.push(dual),
             Err(error @ GoalError::Stopped(_)) => return Err(error),
             Err(error) => refused.push(error),

@@ -173,8 +173,6 @@ impl<'a> Perturbed<'a> {
         self.interfaces = Some(self.base.interfaces.with_shape(index, built.clone()));
         problem.obstacles[index].shape = built;
         self.plan = Some(plan);
-        let lending = self.model().interfaces.lending(&self.model(), &self.state);
-        self.interfaces = lending.or(self.interfaces.take());
         Ok(())
     }
 

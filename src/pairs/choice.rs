@@ -289,7 +289,8 @@ fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Opti
     best.filter(|&(index, gap)| {
         let is_hidden = |other: &Partner| is_behind(face, s, (other, gap));
         let is_clear = match partners[index].role {
-            Role::Apart | Role::Meets => is_before_focus(face, s, gap),
+            Role::Apart => gap <= 0.0 || is_before_focus(face, s, gap),
+            Role::Meets => is_before_focus(face, s, gap),
             Role::Hides => false,
         };
         is_clear && !partners.iter().any(is_hidden)

@@ -103,7 +103,11 @@ impl PairSurface {
             let is_held = |i: u32| i < components && (ground.is_held)(components * node + i);
             [0, 1, 2].map(is_held)
         };
-        let held = surface.carriers.iter().map(held).collect();
+        let carriers = (0..surface.multipliers() as u32).map(|multiplier| {
+            let function = surface.shares.function(multiplier);
+            function.and_then(|k| surface.carriers.get(k as usize))
+        });
+        let held = carriers.map(|node| node.map_or([false; 3], held)).collect();
         let sides = match ground.space.components {
             2 => Sides::Plane(PlaneSides::new(ground, (facets, meets), (surface, section))),
             _ => Sides::Space(SpaceSides::new(ground, facets, surface)),

@@ -244,7 +244,7 @@ fn visit_state<E>(
     }
 }
 
-/// What multipliers have to press on, as two lists of flags.
+/// What multipliers have to press on, as three lists of flags.
 fn visit_supports<E>(state: &mut State, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
     let supports = &mut state.supports;
     supports.resize(state.multiplier.len(), Support::Enough);
@@ -254,14 +254,18 @@ fn visit_supports<E>(state: &mut State, fields: &mut impl Fields<Error = E>) -> 
             .map(|one| *one == kind)
             .collect::<Vec<bool>>()
     };
-    let [mut nothing, mut little] = [Support::Nothing, Support::Little].map(of);
+    let [mut nothing, mut nearly, mut little] =
+        [Support::Nothing, Support::Nearly, Support::Little].map(of);
     fields.flags("multipliers without a partner", &mut nothing)?;
+    fields.flags("multipliers that lend beside a pressure", &mut nearly)?;
     fields.flags("multipliers that lend", &mut little)?;
-    for (support, flags) in supports.iter_mut().zip(nothing.into_iter().zip(little)) {
+    let flags = nothing.into_iter().zip(nearly).zip(little);
+    for (support, flags) in supports.iter_mut().zip(flags) {
         *support = match flags {
             (_, true) => Support::Little,
-            (true, false) => Support::Nothing,
-            (false, false) => Support::Enough,
+            ((_, true), false) => Support::Nearly,
+            ((true, false), false) => Support::Nothing,
+            ((false, false), false) => Support::Enough,
         };
     }
     Ok(())

@@ -110,16 +110,20 @@ fn pressures_stay_bounded_while_the_ends_of_a_punch_slide_over_faces_of_rubber()
 fn a_session_goes_on_with_the_same_bits_where_functions_are_lent() {
     let (scene, steps, mesh) = slid("a_y1", "b_y0");
     let mut session = open(&scene, &mesh);
-    take(&mut session, &steps[0]);
-    let bytes = session.export();
-    let plan = Arc::new(Plan::new(&scene, &[], &mesh).expect("a valid scene"));
-    let prepared = Prepared::build(&plan, &mesh, &CancelToken::new()).expect("a solvable scene");
-    let other = Session::import(plan, mesh, Arc::new(prepared), Reuse::Reused, &bytes);
-    let mut other = other.expect("a checkpoint");
-    assert_eq!(other.export(), bytes);
-    let [own, other] = [&mut session, &mut other].map(|session| {
-        take(session, &steps[1]);
-        session.export()
-    });
-    assert_eq!(own, other);
+    // Pressed from rest, then slid: functions that a pressed neighbour slides onto lend, too.
+    for [before, after] in [[0, 1], [1, 0]] {
+        take(&mut session, &steps[before]);
+        let bytes = session.export();
+        let plan = Arc::new(Plan::new(&scene, &[], &mesh).expect("a valid scene"));
+        let prepared = Prepared::build(&plan, &mesh, &CancelToken::new());
+        let prepared = Arc::new(prepared.expect("a solvable scene"));
+        let other = Session::import(plan, mesh.clone(), prepared, Reuse::Reused, &bytes);
+        let mut other = other.expect("a checkpoint");
+        assert!(other.export() == bytes, "after step {before}");
+        let [own, other] = [&mut session, &mut other].map(|session| {
+            take(session, &steps[after]);
+            session.export()
+        });
+        assert!(own == other, "step {after} after step {before}");
+    }
 }

@@ -112,3 +112,38 @@ fn an_open_groove_in_space_does_not_pull() {
         assert_free(linear([("a_body", 20.0), ("b_body", 1.0)]), &body);
     }
 }
+
+/// Two half rounds of radius R that overlap by more than half of it: rays of a round carrier meet inside it.
+#[test]
+fn a_round_tip_presses_however_deep_it_begins() {
+    let tip = |overlap: f64| {
+        let upper = moved(unit_grid(16, 10), |[s, t, z]| {
+            let (sin, cos) = (std::f64::consts::PI * (1.0 + s)).sin_cos();
+            let [x, y] = [RADIUS * cos, RADIUS * (1.0 + sin) - overlap];
+            [
+                x * (1.0 - t) + (2.0 * s - 1.0) * RADIUS * t,
+                y * (1.0 - t) + (0.7 - overlap) * t,
+                z,
+            ]
+        });
+        let lower = moved(unit_grid(24, 8), |[s, t, z]| {
+            [2.0 * s - 1.0, 0.8 * t - 0.8, z]
+        });
+        mesh(joined(&[("a_", lower), ("b_", upper)]))
+    };
+    let scene = Scene {
+        supports: vec![
+            support("a_y0", [Some(0.0), Some(0.0), None]),
+            support("b_y1", [Some(0.0), Some(0.0), None]),
+        ],
+        contacts: between("b_y0", "a_y1"),
+        ..rubber([("a_body", 5.0), ("b_body", 1.0)], Some(20.0))
+    };
+    let (_, report) = run_one(
+        &scene,
+        &pull("b_y1", [None, Some(0.0), None], 1),
+        &tip(0.055),
+    );
+    assert_converged(&report);
+    assert!(report.contacts["pair"].force[1].abs() > 0.01);
+}

@@ -36,7 +36,11 @@ class Goal:
         """The value, and its derivative by each parameter, [parameters]."""
         numbers = np.asarray(values, dtype=float).tolist()
         keys = dict(zip(self.parameters.values(), numbers, strict=True))
-        found = s.solve(self.scene, set={**self.changes, **keys}).check().goal(self.goal)
+        last = s.solve(self.scene, set={**self.changes, **keys}).check()
+        found = last.goal(self.goal)
+        missing = ", ".join(name for name in self.parameters if name not in found.derivatives)
+        if missing:
+            raise s.errors.GoalError(f"no derivative by {missing}: {last.report.goals_refused}")
         return found.value, np.array([found.derivatives[name] for name in self.parameters])
 
 

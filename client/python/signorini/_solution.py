@@ -134,8 +134,11 @@ class Increment:
         return found
 
     def gradient(self, goal: str) -> Mapping[str, float]:
-        """Derivatives of a goal by parameter, as the scene names them under `gradient`."""
-        return dict(sorted(self.goal(goal).derivatives.items()))
+        """Derivatives of a goal by parameter, as the scene names them under `gradient`; without any, why."""
+        found = self.goal(goal).derivatives
+        if not found and self.report.goals_refused:
+            raise GoalError(f'no derivatives of "{goal}": {self.report.goals_refused}')
+        return dict(sorted(found.items()))
 
     @property
     def converged(self) -> bool:

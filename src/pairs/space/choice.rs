@@ -51,7 +51,8 @@ pub(super) fn pieces(face: &Rayed, candidates: &[Candidate], reach: f64) -> Vec<
             let polygon = seen(face, &own.partner)?;
             let gap = gap_to(face, middle(&polygon), &own.partner)?;
             let is_near = gap <= WIDE * reach && -gap <= reach;
-            let is_met = is_near && is_before_focus(face, middle(&polygon), gap);
+            let is_open = || gap > 0.0 && !is_before_focus(face, middle(&polygon), gap);
+            let is_met = is_near && !is_open();
             is_met.then_some(Found {
                 place,
                 polygon,

@@ -116,8 +116,8 @@ impl Trial<'_> {
         }
     }
 
-    /// Refuses curves that point the other way than those of the scene, which no constants of a stable
-    /// law turn, and says where their sizes are so far apart that units may be.
+    /// Refuses forces that point the other way than those of the scene, which no constants of a stable
+    /// law turn, and says where sizes are so far apart that units may be.
     fn check_signs(&self, modelled: &Modelled) -> Result<(), Failure> {
         for (goal, name) in self.curves.goals.iter().enumerate() {
             let pairs = self.curves.points.iter().zip(&modelled.values);
@@ -130,7 +130,8 @@ impl Trial<'_> {
                 found += value * value;
             }
             let sizes = [measured, found].map(f64::sqrt);
-            if points_the_other_way(along, sizes) {
+            let is_force = name.starts_with("force.") || name.starts_with("reaction.");
+            if is_force && points_the_other_way(along, sizes) {
                 let message = format!(
                     "{name} of the table has the other sign than that of the scene: a force is what the \
                      tool or the support exerts on the body, so that a lid that moves down has one below \

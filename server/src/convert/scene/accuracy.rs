@@ -34,6 +34,15 @@ pub(crate) fn take_accuracy(scene: &mut wire::Scene) -> Result<Accuracy, Fault> 
         .iter()
         .flat_map(|one| target(one, &mut faults))
         .collect();
+    if !scene.contacts.is_empty() || !scene.ties.is_empty() {
+        for (goal, _) in goals.iter().take(1) {
+            faults.later(
+                format!("accuracy.{goal}"),
+                "meshes are not refined by goals yet beside contact or ties between bodies: name \
+                 the goal in accuracy.bound to have its error only",
+            );
+        }
+    }
     let mut named = HashSet::new();
     for (goal, _) in goals
         .iter()
