@@ -1,12 +1,15 @@
 //! Goals where bodies press on each other or are tied: what one body feels is what it hands on, and
 //! derivatives agree with differences of whole solves.
 
-use crate::common::close;
 use crate::common::meshes::{joined, mesh, moved, unit_grid};
 use crate::common::scenes::{HELD_IN_PLANE, elastic, obstacle, push, rubber, support};
+use crate::common::{close, run};
 use crate::gradients::{Change, Problem, assert_differences, set_height, set_radius};
 use signorini::Scene;
-use signorini::scene::{ContactPair, Material, MaterialModel, Modulus, RubberModel, Shape, Tie};
+use signorini::scene::{
+    ContactPair, GoalErrors, GoalQuestions, Material, MaterialModel, Modulus, RubberModel, Shape,
+    Tie,
+};
 
 /// A block on another one whose top is a little curved, under a ball.
 fn stacked(scene: Scene) -> Problem {
@@ -179,4 +182,23 @@ fn tied_bodies_agree_with_differences_of_whole_solves() {
             &["force.ball.y", "reaction.base.y", "reaction.base.x"],
         );
     }
+}
+
+/// As scene files ask: with every increment.
+#[test]
+fn scenes_with_ties_may_ask_for_bounds_and_derivatives() {
+    let mut problem = tied(linear());
+    problem.scene.questions = vec![GoalQuestions {
+        goals: vec!["reaction.base.y".parse().expect("a goal")],
+        parameters: vec!["support.base.y".parse().expect("a parameter")],
+        errors: GoalErrors::Bounded,
+    }];
+    let (_, reports) = run(&problem.scene, &problem.steps, &problem.mesh);
+    let report = reports.last().expect("a report");
+    let goal = report.goals.first().expect("a goal");
+    assert!(
+        goal.bound.is_some() && goal.derivatives.len() == 1,
+        "{:?}",
+        report.goals_refused
+    );
 }

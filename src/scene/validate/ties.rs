@@ -92,10 +92,6 @@ fn refuse(scene: &Scene, faults: &mut Faults) {
     if scene.materials.iter().any(|one| flows(&one.model)) {
         faults.add("tie", "a flow has no surfaces that are bonded");
     }
-    if !scene.questions.is_empty() {
-        let message = "derivatives where bodies are tied to each other are not solved yet";
-        faults.unsupported("goals", message);
-    }
 }
 
 fn one(tie: &Tie, (mesh, of_vertex): (&Mesh, &[u32]), faults: &mut Faults) -> ResolvedPair {
