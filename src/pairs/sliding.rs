@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Shapes: `[multipliers]`, rows by displacement unknowns, non-dimensional. A linear body has R where
-//! it is at rest ([`super::rest`]) and S = R (u - u0). Functions without a partner have no slip and no row.
+//! it is at rest (`rest`) and S = R (u - u0). Functions without a partner have no slip and no row.
 
 use super::pair::Placed;
 use super::piece::NODES;

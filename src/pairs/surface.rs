@@ -7,7 +7,7 @@
 //!
 //! Shapes: gaps and rows `[multipliers]`, K `[unknowns, unknowns]`, all non-dimensional. At finite
 //! strain about the deformed surfaces; of a linear body they are taken once, where the surfaces touch
-//! ([`super::touching`]), by how these move against each other alone ([`super::rest`]), so that G is
+//! (`touching`), by how these move against each other alone (`rest`), so that G is
 //! linear in u. A function of which less than `LEAST_COVERED` has a partner, and one that others take
 //! over, has no row, and a gap as wide as the search. Cost: see [`super::pair`] and [`super::space`].
 
