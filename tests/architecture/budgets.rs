@@ -38,7 +38,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("refinement", 1330, 1),
     ("report", 1050, 3),
     ("results", 3172, 24),
-    ("saddle", 1153, 5),
+    ("saddle", 1190, 6),
     ("scene", 5550, 28),
     ("session", 2400, 12),
     ("space", 190, 0),

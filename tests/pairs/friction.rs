@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::objectivity::{mesh as disc_on_slab, turned};
-use super::scenes::{between, joined, linear, rubber};
+use super::scenes::{between, joined, linear, linear_of, rubber};
 use crate::common::meshes::{mesh, moved, unit_grid};
 use crate::common::scenes::{HELD_IN_PLANE, obstacle, plane, pull, support, traction};
 use crate::common::{assert_converged, close, solve};
@@ -58,6 +58,35 @@ fn a_block_on_a_block_sticks_just_below_the_limit_of_friction_and_slides_just_ab
 #[test]
 fn a_block_on_a_block_sticks_just_below_its_bound_and_slides_just_above() {
     check_limit(0.05, Some(0.05));
+}
+
+/// A coarse block pressed and pushed along a long one, a node of which its bound opens and zero
+/// traction closes: it rests in between. Energies of an independent solver (`benches/peers`),
+/// whose bound is min(b, k p) with k = 1e9.
+#[test]
+fn a_node_that_its_bound_opens_and_nothing_else_does_rests_in_between() {
+    let low = moved(unit_grid(10, 3), |[x, y, z]| [3.0 * x - 1.0, y - 1.0, z]);
+    let up = moved(unit_grid(2, 1), |[x, y, z]| [x, 0.4 * y, z]);
+    let blocks = mesh(joined(&[("low_", low), ("up_", up)]));
+    for (bound, push, energy) in [
+        (0.01, 0.01, 7.196_807_990e-5),
+        (0.1, 0.04, 9.295_553_643e-4),
+    ] {
+        let mut scene = Scene {
+            supports: vec![
+                support("low_y0", HELD_IN_PLANE),
+                support("up_y1", [Some(push), Some(-0.004), None]),
+            ],
+            contacts: between("up_y0", "low_y1"),
+            ..linear_of(0.3, [("low_body", 10.0), ("up_body", 1.0)])
+        };
+        scene.contacts[0].tresca = Some(bound);
+        scene.solver.tolerance = 1e-10;
+        let report = solve(&scene, &[Step::default()], &blocks).remove(0);
+        assert_converged(&report);
+        let found = report.strain_energy;
+        assert!(close(found, energy, 1e-8), "{found} {energy}");
+    }
 }
 
 /// A block of rubber pressed and pushed along a stiff block, or along a plane in its place.

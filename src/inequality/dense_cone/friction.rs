@@ -14,6 +14,10 @@
 //! (I - M) t' + rho M s_t(x') - mu n' e = -M d + r_0 e,   M = b / |d| (I - beta t e^T / max(b, |t|)),  e = d / |d|
 //! ```
 //!
+//! Where r is min(b, k n) with a steep k the gap at n <= b / k moves with the traction, and the
+//! prediction is (k n - rho s_n) / k. What no steps between open and pressed end is sought with
+//! all of what is between: up to b the traction changes, from there the pressure.
+//!
 //! It starts from the present multipliers, then from all that is closed sticking. Usually 4 to
 //! 8 steps, each one LU factor of the closed part or, on many points, some Krylov iterations
 //! (`system`).
@@ -64,14 +68,24 @@ pub(super) fn solve(
     (cones, first): (Cones<'_>, usize),
     (guess, near): (&[Status], &[f64]),
 ) -> Result<DenseSolution, DenseConeError> {
-    let newton = Newton::new(problem, cones, first);
+    let mut newton = Newton::new(problem, cones, first);
     let start = if newton.is_pressed(near) {
         near.to_vec()
     } else {
         newton.without_friction(guess)?
     };
-    if let Run::Solved(solution) = newton.run(start, MOST_STEPS)? {
+    if let Run::Solved(solution) = newton.run(start.clone(), MOST_STEPS)? {
         return Ok(solution);
+    }
+    if newton.given.iter().any(Option::is_some) {
+        newton.search = Search::Between;
+        if let Some(solution) = newton.solved(start, MOST_STEPS) {
+            return Ok(DenseSolution {
+                steps: solution.steps + MOST_STEPS,
+                ..solution
+            });
+        }
+        newton.search = Search::Sides;
     }
     match newton.run(newton.first_step(guess)?, MOST_STEPS)? {
         Run::Solved(solution) => Ok(DenseSolution {
@@ -173,6 +187,19 @@ pub(super) struct Newton<'p> {
     diagonal: Vec<f64>,
     /// Which multipliers any value is admissible for `[multipliers]`.
     is_free: Vec<bool>,
+    /// The first point of each pressure whose bound is given `[multipliers]`.
+    given: Vec<Option<Point>>,
+    /// Where such points may end.
+    search: Search,
+}
+
+/// Where points of a given bound may end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Search {
+    /// Open or pressed, and between where they begin there.
+    Sides,
+    /// Between, too.
+    Between,
 }
 
 /// A point of friction at an iterate.
@@ -195,13 +222,27 @@ impl<'p> Newton<'p> {
                 is_free[range].fill(true);
             }
         }
-        Self {
+        let mut newton = Self {
             diagonal: problem.matrix.diagonal(),
             problem,
             cones,
             first,
             is_free,
+            given: vec![None; size],
+            search: Search::Sides,
+        };
+        newton.given = newton.given_bounds();
+        newton
+    }
+
+    /// The first point of each pressure whose bound is given `[multipliers]`.
+    fn given_bounds(&self) -> Vec<Option<Point>> {
+        let mut given = vec![None; self.is_free.len()];
+        let has_given = |point: &Point| matches!(point.bound, FrictionBound::Tresca(_));
+        for point in self.points().filter(has_given) {
+            given[point.partner].get_or_insert(point);
         }
+        given
     }
 
     /// The points with their places among all multipliers.
@@ -295,9 +336,16 @@ impl<'p> Newton<'p> {
         Ok(Run::Lost)
     }
 
-    /// n - rho s_n of a pressure.
+    /// n - rho s_n of a pressure, or of its largest traction where there is next to none.
     fn predicted(&self, index: usize, (x, residual): (&[f64], &[f64])) -> f64 {
-        x[index] - residual[index] / self.diagonal[index]
+        let change = -residual[index] / self.diagonal[index];
+        match self.given[index] {
+            Some(point) if self.search == Search::Between || point.bound.is_between(x[index]) => {
+                let traction = norm(&x[point.first..point.first + self.width()]);
+                point.bound.moved((x[index], traction), change)
+            }
+            _ => x[index] + change,
+        }
     }
 
     /// rho of a point.

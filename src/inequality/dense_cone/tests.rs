@@ -226,3 +226,32 @@ fn klarbrings_node_ends_in_one_of_its_states() {
         }
     }
 }
+
+/// One node of which the bound b = 1 opens what zero traction closes: at rest it touches without
+/// pressure under t = 0.1 / 0.5, where n + 0.5 t - 0.1 = 0.
+#[test]
+fn a_node_that_its_bound_opens_and_nothing_else_does_rests_in_between() {
+    let mut matrix = DenseMatrix::zeros(2, 2);
+    for (i, row) in [[1.0, 0.5], [0.5, 1.0]].iter().enumerate() {
+        (0..2).for_each(|j| *matrix.at_mut(i, j) = row[j]);
+    }
+    for (linear, t) in [([-0.1, -5.0], 0.2), ([-0.4, -5.0], 0.8)] {
+        for near in [[0.0, 0.0], [1.0, 1.0], [0.1, -1.0]] {
+            let cones = Cones {
+                normals: 1,
+                partners: &[0],
+                bounds: &[FrictionBound::Tresca(1.0)],
+                components: Components::One,
+            };
+            let set = ProductSet::Uniform(part(2, AdmissibleSet::Cones(cones)));
+            let solution =
+                solve(&matrix, &linear, set, (&[Status::Stick; 2], &near)).expect("a state");
+            let [n, traction] = solution.values[..] else {
+                panic!("{solution:?}");
+            };
+            assert!((0.0..1e-8).contains(&n), "{solution:?}");
+            assert!((traction - t).abs() < 1e-8, "{solution:?}");
+            assert_eq!(solution.status[1], Status::Slip);
+        }
+    }
+}

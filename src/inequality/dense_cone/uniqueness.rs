@@ -96,10 +96,10 @@ fn quotient(
     for (partner, bound, place) in cones.points() {
         let own = first + place..first + place + width;
         let size = norm(&product[own.clone()]);
-        slope[partner] += 0.5 * bound.slope() * size;
+        slope[partner] += 0.5 * bound.slope(f64::INFINITY) * size;
         if size > 0.0 {
             for index in own {
-                x[index] = 0.5 * bound.slope() * v[partner] * product[index] / size;
+                x[index] = 0.5 * bound.slope(f64::INFINITY) * v[partner] * product[index] / size;
             }
         }
     }

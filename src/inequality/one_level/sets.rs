@@ -235,6 +235,8 @@ fn slipping(
         if next.status[place] != Status::Slip {
             continue;
         }
+        let [now, then] = [&contact.multiplier, &next.values].map(|x| bound.is_between(x[partner]));
+        begins[partner] |= now != then;
         let pressure = if begins[partner] {
             next.values[partner]
         } else {
@@ -255,7 +257,7 @@ fn slipping(
             leader: partner as u32,
             first: place as u32,
             width: width as u8,
-            along: direction.map(|e| bound.slope() * e),
+            along: direction.map(|e| bound.slope(pressure) * e),
             across: match width {
                 1 => [0.0; 2],
                 _ => [-direction[1], direction[0]],

@@ -1,8 +1,12 @@
 //! Pressures with the tractions of dry friction that they allow:
 //!
 //! ```text
-//! n_i >= 0,   |t_i| <= r_i(n_i),   r = mu n (Coulomb), or a given bound where n > 0 (Tresca)
+//! n_i >= 0,   |t_i| <= r_i(n_i),   r = mu n (Coulomb), or min(b, k n) of a given bound b (Tresca)
 //! ```
+//!
+//! Tresca's bound acts where there is pressure. A step from zero to b has no state where the
+//! point opens under b and closes without; with a steep k, which stands for any, it has one with
+//! next to no pressure, and a traction in between that opposes the slip.
 //!
 //! The pressures come first, then the tractions, those of a point side by side; a pressure
 //! without friction has no point. Pressure and traction answer to residuals of their own, gap
@@ -18,6 +22,9 @@ use super::{
 /// Share of the radius below which a traction is not on the edge.
 const INSIDE: f64 = 1.0 - 1e-8;
 
+/// k, the bound over the pressure that makes all of it: a billionth of the bound is next to none.
+const STEEPNESS: f64 = 1e9;
+
 /// How far a traction may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrictionBound {
@@ -32,16 +39,46 @@ impl FrictionBound {
     pub fn radius(self, pressure: f64) -> f64 {
         match self {
             Self::Coulomb(coefficient) => coefficient * pressure.max(0.0),
-            Self::Tresca(bound) if pressure > 0.0 => bound,
-            Self::Tresca(_) => 0.0,
+            Self::Tresca(bound) => bound.min(STEEPNESS * pressure.max(0.0)),
         }
     }
 
     /// Growth of the largest traction with a pressure that is there.
-    pub fn slope(self) -> f64 {
+    pub fn slope(self, pressure: f64) -> f64 {
         match self {
             Self::Coulomb(coefficient) => coefficient,
+            Self::Tresca(_) if self.is_between(pressure) => STEEPNESS,
             Self::Tresca(_) => 0.0,
+        }
+    }
+
+    /// Whether a pressure is next to none, so that it makes less than the bound.
+    pub fn is_between(self, pressure: f64) -> bool {
+        match self {
+            Self::Coulomb(_) => false,
+            Self::Tresca(bound) => pressure > 0.0 && STEEPNESS * pressure < bound,
+        }
+    }
+
+    /// The pressure after a change by `change` of largest traction and pressure together, one
+    /// after the other: where there is next to no pressure the traction moves the gap.
+    /// `traction` tells a pressure below zero that next to none has led to, which is off.
+    pub fn moved(self, (pressure, traction): (f64, f64), change: f64) -> f64 {
+        let Self::Tresca(bound) = self else {
+            return pressure + change;
+        };
+        let most = bound / STEEPNESS;
+        let is_pressed = pressure >= most || traction < -0.5 * STEEPNESS * pressure;
+        let from = if is_pressed {
+            bound + (pressure - most)
+        } else {
+            STEEPNESS * pressure
+        };
+        let to = from + change;
+        if to < bound {
+            to / STEEPNESS
+        } else {
+            most + (to - bound)
         }
     }
 }

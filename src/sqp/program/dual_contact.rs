@@ -163,6 +163,7 @@ fn slides(law: &Law, state: &State, gaps: &[f64]) -> Vec<Slide> {
         let size = norm(traction);
         let slips = state.status[first] == Status::Slip && size > 0.0 && radius > 0.0;
         slips.then(|| {
+            let slope = bound.slope(state.multiplier[leader as usize]);
             let mut direction = [0.0; 2];
             let parts = direction.iter_mut().zip(traction);
             parts.for_each(|(e, t)| *e = t / size);
@@ -170,7 +171,7 @@ fn slides(law: &Law, state: &State, gaps: &[f64]) -> Vec<Slide> {
                 leader,
                 first: first as u32,
                 width: width as u8,
-                along: direction.map(|e| bound.slope() * e),
+                along: direction.map(|e| slope * e),
                 across: match width {
                     1 => [0.0; 2],
                     _ => [-direction[1], direction[0]],

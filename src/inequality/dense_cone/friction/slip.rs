@@ -35,7 +35,8 @@ impl Newton<'_> {
         let width = self.width();
         let pulled = self.pulled(point, at);
         let length = norm(&pulled);
-        let bound = point.bound.radius(self.predicted(point.partner, at));
+        let pressure = self.predicted(point.partner, at);
+        let (bound, slope) = (point.bound.radius(pressure), point.bound.slope(pressure));
         let mut traction = [0.0; 2];
         traction[..width].copy_from_slice(&at.0[point.first..point.first + width]);
         let size = norm(&traction);
@@ -57,7 +58,7 @@ impl Newton<'_> {
                 ratio * (unit - share * traction[i] * direction[j])
             })
         });
-        let given = bound - point.bound.slope() * self.predicted(point.partner, at);
+        let given = bound - slope * pressure;
         let right = std::array::from_fn(|i| {
             let product: f64 = matrix[i].iter().zip(&pulled).map(|(m, d)| m * d).sum();
             given * direction[i] - product
@@ -70,7 +71,7 @@ impl Newton<'_> {
             direction,
             right,
             step: self.point_step(point),
-            slope: point.bound.slope(),
+            slope,
             own: place(point.first),
             partner: place(point.partner),
             linear,
