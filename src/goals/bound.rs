@@ -42,7 +42,8 @@ use crate::model::state::State;
 use crate::report::GoalBound;
 use crate::results::friction::tractions as tractions_at;
 
-/// What sizes around vertices are taken times, without unit; measured.
+/// What sizes around vertices are taken times, without unit; of 1.0 to 1.5 the
+/// least with 95 % of 276 bounds above their errors (`tests/benches/goals/bounds.py`).
 const FACTOR: f64 = 1.2;
 
 /// The error of one goal at a state, in the caller's units but for what the solver left.

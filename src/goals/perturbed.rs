@@ -19,7 +19,8 @@ use crate::scene::Parameter;
 use crate::scene::numbers::{constant, number};
 use crate::scene::validate::laws;
 
-/// How many times longer steps are of what residuals are linear in: with less rounding.
+/// How many times longer steps are of what residuals are linear in: with less rounding. Without unit;
+/// chosen.
 const OF_LINEAR: f64 = 10.0;
 
 /// A parameter with what it is changed by.

@@ -7,7 +7,8 @@ use crate::model::state::State;
 use crate::scene::numbers::{constant, is_linear, number};
 use crate::scene::{MaterialModel, Parameter, SceneKind};
 
-/// Step of a material's constant, over its size.
+/// Step of a material's constant, over its size, without unit; chosen: the error of central differences
+/// of six values is its sixth power.
 const OF_CONSTANTS: f64 = 1e-4;
 /// Step of a length over that of the body, and of an angle: as short as rounding lets it be, since points of
 /// contact that cross a jump of curvature on the way, where an edge is rounded, see both sides of it. Without unit; at 1e-4 a rounded box had

@@ -16,8 +16,8 @@ use crate::contact::patches::outward;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
-/// Share of a face by which a surface goes on beyond its end.
-const BEYOND: f64 = 0.3;
+/// Share of a face by which a surface goes on beyond its end, without unit; chosen.
+pub(super) const BEYOND: f64 = 0.3;
 
 /// Where nodes are: of a vertex its place, of an edge that of its middle less the mean of its ends.
 pub type PlaceOf<'a> = dyn Fn(u32) -> [f64; 2] + Sync + 'a;

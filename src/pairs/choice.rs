@@ -16,14 +16,15 @@ const SHORTEST: f64 = 1e-12;
 /// Share of a face by which a hit may miss the end of its partner, for rounding.
 const BESIDE: f64 = 1e-9;
 /// Least cosine between a ray and the normal of what it meets: rays that graze move without bound.
-const GRAZING: f64 = 0.2;
+pub(super) const GRAZING: f64 = 0.2;
 /// Gap of a piece over the reach at most, where another piece of its face is within that: a part that
 /// ended in the middle of a face where the gap is wide would grow and shrink with vertices that pass,
 /// and programs would see a gap close that is far open.
 pub(super) const WIDE: f64 = 2.0;
 /// Gap over the length of a face from which on it is open, without unit; chosen.
 const OPEN: f64 = 0.1;
-/// Share of the way to where neighbouring rays meet up to which they count.
+/// Share of the way to where neighbouring rays meet up to which they count, without unit; chosen: at
+/// the whole of it what they sweep is zero.
 pub(super) const SIDE_BY_SIDE: f64 = 0.5;
 /// Halvings that find a root to rounding.
 const HALVINGS: usize = 60;

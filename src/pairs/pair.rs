@@ -27,7 +27,7 @@ use crate::parallel;
 /// 1e-12 about an axis.
 const DEGREE: u32 = 9;
 /// How far a partner is looked for, over the extent of the smaller surface.
-const REACH: f64 = 0.25;
+pub(super) const REACH: f64 = 0.25;
 /// Fewer faces are not worth a second thread.
 const FEW: usize = 8;
 

@@ -13,7 +13,7 @@ use super::point::{Bend, Block, OTHER, VECTORS, completed};
 use super::rims::RimBend;
 use crate::geometry::vector3::{add, scale};
 
-/// Pieces whose second derivatives are summed at a time.
+/// Pieces whose second derivatives are summed at a time: some hundred vectors, .7 MB; chosen.
 const TOGETHER: usize = 16;
 
 /// Some pieces of a face.

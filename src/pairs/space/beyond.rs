@@ -13,11 +13,10 @@ use super::outline::Spot;
 use super::patch::{EDGES, Patch};
 use super::skin::{Far, Skin, across};
 use crate::geometry::vector3::{add, dot, norm, normalised, scale, sub};
+use crate::pairs::chain::BEYOND;
 
-/// Share of a face by which a surface goes on beyond its rim.
-const BEYOND: f64 = 0.3;
 /// Least 1 + cosine between the directions across two rims at their corner, which bounds how far it
-/// goes on: 120 degrees.
+/// goes on: 120 degrees, without unit; chosen.
 const SHARPEST: f64 = 0.5;
 
 /// What rims at a corner add up to.

@@ -9,12 +9,7 @@ use super::outline::{LEAST, Partner, Polygon, middle, on_face, whole, without};
 use super::patch::At;
 use super::rays::{Rayed, hit};
 use crate::geometry::vector3::{cross, dot, norm};
-use crate::pairs::choice::SIDE_BY_SIDE;
-
-/// Least cosine between a ray and the normal of what it meets: rays that graze move without bound.
-const GRAZING: f64 = 0.2;
-/// Gap of a piece over the reach at most, where another piece of its face is within that.
-pub(super) const WIDE: f64 = 2.0;
+use crate::pairs::choice::{GRAZING, SIDE_BY_SIDE, WIDE};
 
 /// A face of the other surface near a face.
 #[derive(Clone, Copy, Debug)]

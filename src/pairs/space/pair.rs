@@ -4,7 +4,7 @@
 //! corners and edges. Cost, in one thread: some 50 us a face to find its pieces, 0.2 us a point for
 //! values.
 
-use super::choice::{Candidate, Piece, WIDE, pieces};
+use super::choice::{Candidate, Piece, pieces};
 use super::normals::{Normal, normals};
 use super::outline::{Partner, straight, wedges};
 use super::patch::{At, NODES, Patch, bernstein};
@@ -13,13 +13,13 @@ use super::rays::Rayed;
 use super::skin::Skin;
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::geometry::vector3::{add, cross, dot, norm, scale, sub};
+use crate::pairs::choice::WIDE;
+use crate::pairs::pair::REACH;
 use crate::pairs::tree::{Bounds, BoxTree};
 use crate::parallel;
 
 /// Degree of the rule on the triangles of a piece.
 const DEGREE: u32 = 8;
-/// How far a partner is looked for, over the extent of the smaller surface.
-const REACH: f64 = 0.25;
 /// Fewer faces are not worth a second thread.
 const FEW: usize = 4;
 

@@ -2,39 +2,27 @@
 //! wherever the bodies stand.
 
 use super::*;
+use crate::pairs::number::First;
+use crate::pairs::slip::SlipPart;
 
-/// Gaps of functions with their rows by coordinates, and the rows of slips, in one list.
+/// Gaps of functions, their rows by coordinates, and the rows of slips.
+fn listed(gaps: &[Part<First<INPUTS>>], slips: &[SlipPart]) -> [Vec<f64>; 3] {
+    let gaps = || gaps.iter().flat_map(|part| part.gaps);
+    [
+        gaps().map(|gap| gap.value).collect(),
+        gaps().flat_map(|gap| gap.first).collect(),
+        slips.iter().flat_map(|part| part.rows.concat()).collect(),
+    ]
+}
+
 fn at_rest(bodies: &Bodies) -> [Vec<f64>; 3] {
-    bodies.at(|placed| {
-        let gaps = placed.gaps_at_rest();
-        let slips = placed.slips_at_rest();
-        [
-            gaps.iter()
-                .flat_map(|part| part.gaps.map(|gap| gap.value))
-                .collect(),
-            gaps.iter()
-                .flat_map(|part| part.gaps.map(|gap| gap.first).concat())
-                .collect(),
-            slips.iter().flat_map(|part| part.rows.concat()).collect(),
-        ]
-    })
+    bodies.at(|placed| listed(&placed.gaps_at_rest(), &placed.slips_at_rest()))
 }
 
 /// Those of the volume between the surfaces, and of tractions on it.
 fn by_volume(bodies: &Bodies) -> [Vec<f64>; 3] {
-    bodies.at(|placed| {
-        let gaps = placed.first();
-        let slips = placed.slid(&|node: u32| bodies.places[node as usize]);
-        [
-            gaps.iter()
-                .flat_map(|part| part.gaps.map(|gap| gap.value))
-                .collect(),
-            gaps.iter()
-                .flat_map(|part| part.gaps.map(|gap| gap.first).concat())
-                .collect(),
-            slips.iter().flat_map(|part| part.rows.concat()).collect(),
-        ]
-    })
+    let place = |node: u32| bodies.places[node as usize];
+    bodies.at(|placed| listed(&placed.first(), &placed.slid(&place)))
 }
 
 fn assert_same(found: &[f64], exact: &[f64]) {
