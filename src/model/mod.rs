@@ -7,6 +7,7 @@
 //! Everything is non-dimensional inside but for [`drive`], which speaks the caller's
 //! units. Nothing here solves anything.
 
+pub(crate) mod carry;
 pub(crate) mod conditions;
 pub(crate) mod contact_moduli;
 pub(crate) mod counters;

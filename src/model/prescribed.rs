@@ -8,16 +8,43 @@
 //! take its value. Non-dimensional. Cost: some 20 flops a held entry.
 
 use super::Model;
+use super::carry::carried_stiff;
 use super::drive::Drive;
 use super::state::State;
 use crate::geometry::vector3::{add, dot, scale, sub};
+use crate::linalg::vector::add_scaled;
+use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::plan::Plan;
 use crate::plan::held_nodes::HeldPlane;
 
-/// Share of a motion by which parts of it differ that are the same.
-const SAME: f64 = 1e-12;
 /// Motion of a support, over the body's length, that rounding leaves.
 const SETTLED: f64 = 1e-14;
+
+/// A motion of the supports.
+pub(crate) struct Motion {
+    /// Of the held entries, zero elsewhere `[displacement]`.
+    pub(crate) held: Vec<f64>,
+    /// Of what they carry along `[displacement]`; none where that is nothing.
+    pub(crate) carried: Option<Vec<f64>>,
+}
+
+impl Motion {
+    /// Both parts `[displacement]`.
+    pub(crate) fn whole(&self) -> Vec<f64> {
+        let mut whole = self.held.clone();
+        if let Some(carried) = &self.carried {
+            add_scaled(&mut whole, 1.0, carried);
+        }
+        whole
+    }
+
+    /// Moves gaps by what is carried, to first order by their `rows`.
+    pub(crate) fn move_gaps(&self, rows: &SparseRows, gaps: &mut [f64], work: &mut Workspace) {
+        if let Some(carried) = &self.carried {
+            rows.subtract_product(carried, gaps, work);
+        }
+    }
+}
 
 /// Sets the held components of `displacement` to the values of `drive`.
 pub(crate) fn prescribe(model: &Model<'_>, drive: &Drive, displacement: &mut [f64]) {
@@ -81,50 +108,9 @@ fn value_of_plane(model: &Model<'_>, drive: &Drive, plane: &HeldPlane) -> f64 {
     (value + dot(plane.normal, motion.translation)) / model.plan.problem.units.length
 }
 
-/// Moves the free entries of a linear body along where supports carry it: each component in
-/// which all that is held moves by the same. Without, a body that is carried far begins with
-/// forces beside which those of its contact are rounding. `before` is the displacement that
-/// the supports have moved on from.
-pub(crate) fn carry(model: &Model<'_>, before: &[f64], displacement: &mut [f64]) {
-    let space = &model.prepared.space;
-    let (c, vertices) = (space.components, space.vertices * space.components);
-    let mut is_held = vec![false; vertices];
-    let held = model
-        .prepared
-        .held
-        .entries
-        .iter()
-        .map(|&index| index as usize);
-    (held.filter(|&index| index < vertices)).for_each(|index| is_held[index] = true);
-    // Nothing carries a body away from its axis.
-    for i in usize::from(model.plan.is_axisymmetric())..c {
-        let own = (i..vertices).step_by(c);
-        let moves = own.clone().filter(|&index| is_held[index]);
-        let moves = moves.map(|index| displacement[index] - before[index]);
-        if let Some(motion) = common(moves) {
-            let free = own.filter(|&index| !is_held[index]);
-            free.for_each(|index| displacement[index] += motion);
-        }
-    }
-}
-
-/// What all `moves` are, to rounding; none where they differ, or nothing moves.
-fn common(moves: impl Iterator<Item = f64>) -> Option<f64> {
-    let [least, most] = moves.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], value| {
-        [a.min(value), b.max(value)]
-    });
-    let size = least.abs().max(most.abs());
-    let is_one = size > 0.0 && most - least <= SAME * size;
-    (size.is_finite() && is_one).then_some(least)
-}
-
-/// How far held entries still are from where `drive` wants them `[displacement
-/// unknowns]`; none where they are there, and always for linear bodies.
-pub(crate) fn remaining_motion(
-    model: &Model<'_>,
-    state: &State,
-    drive: &Drive,
-) -> Option<Vec<f64>> {
+/// How far held entries still are from where `drive` wants them; none where they are there, and
+/// always for linear bodies.
+pub(crate) fn remaining_motion(model: &Model<'_>, state: &State, drive: &Drive) -> Option<Motion> {
     model.prepared.strain.as_ref()?;
     let mut goal = state.displacement.clone();
     prescribe(model, drive, &mut goal);
@@ -134,7 +120,10 @@ pub(crate) fn remaining_motion(
     let mut motion = vec![0.0; goal.len()];
     model.prepared.held.add_held(1.0, &goal, &mut motion);
     let largest = motion.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    (largest > SETTLED).then_some(motion)
+    (largest > SETTLED).then(|| Motion {
+        carried: carried_stiff(model, &motion),
+        held: motion,
+    })
 }
 
 /// What `support` prescribes for component `i` at a position in the coordinates

@@ -24,6 +24,7 @@ use crate::model::Model;
 use crate::model::evaluate::Evaluation;
 use crate::model::held::mask;
 use crate::model::mean_pressure::balance_volumes;
+use crate::model::prescribed::Motion;
 use crate::model::state::State;
 
 /// A and B about one state.
@@ -87,23 +88,24 @@ impl Tangent {
         })
     }
 
-    /// `evaluation` of `state` after the held entries have moved by `motion`, to first
-    /// order inside the body.
+    /// `evaluation` of `state` after `motion`, to first order inside the body; its gaps before what
+    /// is carried along ([`Motion::move_gaps`]).
     pub(crate) fn after(
         &self,
-        motion: &[f64],
+        motion: &Motion,
         (model, state): (&Model<'_>, &State),
         evaluation: &Evaluation,
         work: &mut Workspace,
     ) -> Evaluation {
         let mut moved = evaluation.clone();
         let pressure = work.zeros(state.pressure.len());
-        let mut force = work.scratch(motion.len());
+        let whole = motion.whole();
+        let mut force = work.scratch(whole.len());
         let mut volume = work.scratch(pressure.len());
         let tangent = self.cells.about(&self.at);
         tangent.apply(
             Rows::All,
-            (motion, &pressure),
+            (&whole, &pressure),
             Mixed {
                 displacement: &mut force,
                 pressure: &mut volume,
@@ -119,7 +121,7 @@ impl Tangent {
         }
         if !moved.gap.is_empty() {
             let mut after = state.clone();
-            add_scaled(&mut after.displacement, 1.0, motion);
+            add_scaled(&mut after.displacement, 1.0, &motion.held);
             moved.gap = gaps(model, &after);
         }
         moved

@@ -13,7 +13,7 @@ use crate::scene::ContactPair;
 use crate::scene::validate::{Resolved, ResolvedPair};
 
 /// Ratio of moduli up to which bodies are alike.
-const ALIKE: f64 = 3.0;
+pub(crate) const ALIKE: f64 = 3.0;
 /// Why a surface carries that `carries` names.
 const NAMED: &str = "the scene has it carry";
 

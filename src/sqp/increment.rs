@@ -16,10 +16,11 @@ use super::scales::{
 use super::search::{Refused, non_monotone_step, search};
 use super::verdict::{Verdict, of_status, verdict};
 use crate::linalg::vector::norm;
+use crate::model::carry::carry;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::evaluate::Evaluation;
-use crate::model::prescribed::{carry, prescribe, remaining_motion};
+use crate::model::prescribed::{prescribe, remaining_motion};
 use crate::model::state::State;
 use crate::report::{Cause, Residuals, Termination};
 

@@ -60,7 +60,9 @@ impl Start {
         let moved = motion.and_then(|motion| {
             let (model, work) = (&run.model, &mut run.work);
             let tangent = Tangent::new(model, run.state, &mut run.learned.linearised, work)?;
-            Some(tangent.after(&motion, (model, run.state), &now, work))
+            let mut moved = tangent.after(&motion, (model, run.state), &now, work);
+            motion.move_gaps(&now.coupling, &mut moved.gap, work);
+            Some(moved)
         });
         Self { now, moved }
     }

@@ -72,8 +72,8 @@ fn between_bodies(model: &Model<'_>, state: &State, now: &Evaluation) -> Vec<(us
     all
 }
 
-/// Keeps the scales of gaps, and of volumes of rubber, to what their rounding is within the
-/// tolerance of: both are those of a body of length one. Those of volumes of a linear body
+/// Keeps the scales of gaps and volumes to what their rounding is within the
+/// tolerance of, of rubber that of a body of length one. Those of volumes of a linear body
 /// that nothing acts on are those of one at rest: what a tool leaves behind that has let go is
 /// nothing, and a program for it would only make it less.
 pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluation) {
@@ -95,10 +95,10 @@ pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluatio
     state.scales.gap = state.scales.gap.max(together.sqrt());
     let volumes = if model.is_rubber() {
         least / (model.prepared.space.vertices as f64).sqrt()
-    } else if is_left_alone(state, now) {
-        at_rest(model, now)
     } else {
-        0.0
+        let rounding = volume_rounding(model, state) / model.conditions.tolerance;
+        let alone = is_left_alone(state, now).then(|| at_rest(model, now));
+        alone.map_or(rounding, |at_rest| at_rest.max(rounding))
     };
     state.scales.constraint = state.scales.constraint.max(volumes);
 }
@@ -179,4 +179,14 @@ fn rounding(model: &Model<'_>, state: &State) -> f64 {
         largest(&state.displacement)
     };
     ROUNDINGS * f64::EPSILON * length * size.powi(dimension - 2) * vertices.sqrt()
+}
+
+/// What rounding of displacements leaves of the volumes of a linear body: h^(d - 1) a vertex.
+fn volume_rounding(model: &Model<'_>, state: &State) -> f64 {
+    let dimension = model.plan.problem.units.dimension as i32;
+    let vertices = model.prepared.space.vertices as f64;
+    let area = vertices
+        .powf(-1.0 / f64::from(dimension))
+        .powi(dimension - 1);
+    ROUNDINGS * f64::EPSILON * largest(&state.displacement) * area * vertices.sqrt()
 }

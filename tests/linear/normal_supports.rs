@@ -4,9 +4,9 @@
 use crate::common::meshes::{cube, file, mesh, moved, square};
 use crate::common::refusals::assert_refused;
 use crate::common::scenes::{
-    HELD, elastic, mooney_rivlin, probe, rubber, support, traction, turned,
+    HELD, HELD_IN_PLANE, elastic, mooney_rivlin, probe, pull, rubber, support, traction, turned,
 };
-use crate::common::{close, solve_one};
+use crate::common::{assert_converged, close, solve_one};
 use signorini::geometry::{Matrix3, rotation_matrix};
 use signorini::scene::{Profile, Support};
 use signorini::{Scene, Step, StepReport};
@@ -158,6 +158,41 @@ fn a_rhombus_between_oblique_walls_shrinks_evenly() {
         "{}",
         rubber.volume_ratio
     );
+}
+
+#[test]
+fn a_body_that_is_carried_away_rests_where_it_comes_to() {
+    for mut scene in [elastic(0.3), elastic(0.5), rubber(mooney_rivlin(), None)] {
+        scene.supports = vec![support("x0", HELD_IN_PLANE)];
+        let step = pull("x0", [Some(0.1), Some(2.0), None], 1);
+        let report = solve_one(&scene, &step, &mesh(square(4)));
+        assert_converged(&report);
+        assert!(
+            report.strain_energy.abs() < 1e-20,
+            "{:e}",
+            report.strain_energy
+        );
+    }
+}
+
+#[test]
+fn a_body_led_at_one_side_slides_along_its_oblique_plane() {
+    let rotation = rotation_matrix([0.0, 0.0, 0.35]);
+    let oblique = mesh(moved(square(3), |x| turn(&rotation, x)));
+    for mut scene in [elastic(0.3), rubber(mooney_rivlin(), Some(5.0))] {
+        scene.solver.tolerance = 1e-12;
+        scene.supports = vec![
+            along_normal("y0", 0.0),
+            support("x0", [Some(0.0), None, None]),
+        ];
+        scene.probes = vec![probe("inside", turn(&rotation, [0.5, 0.5, 0.0]))];
+        let report = solve_one(&scene, &pull("x0", [Some(0.1), None, None], 1), &oblique);
+        let energy = report.strain_energy;
+        assert!(energy.abs() < 1e-15, "{energy:e}");
+        let found = report.probes["inside"].displacement;
+        let off = (found[0] - 0.1).hypot(found[1] - 0.1 * 0.35_f64.tan());
+        assert!(off < 1e-8, "{found:?}");
+    }
 }
 
 /// A quarter of a ball whose flat top turns by half a right angle about a tilted axis,

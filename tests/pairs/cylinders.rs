@@ -6,7 +6,7 @@
 use super::scenes::{between, rubber};
 use crate::common::meshes::curved_file;
 use crate::common::scenes::{HELD_IN_PLANE, pull, support};
-use crate::common::{close, solve};
+use crate::common::{assert_converged, close, solve};
 use signorini::scene::SupportTarget;
 use signorini::{Scene, Step, StepReport, Termination};
 
@@ -103,4 +103,32 @@ fn a_half_disc_slides_over_a_slab_as_an_independent_code_has_it() {
     assert!(fx.abs() < 5e-3 * fy, "{fx}");
     let programs = [0, 1].map(|k: usize| reports[k].sqp_iterations);
     assert!(programs[0] <= 6 && programs[1] <= 4, "{programs:?}");
+}
+
+/// Applications of the preconditioner to press a cylinder of that modulus into one of modulus one,
+/// led from its own side, and to press it further.
+fn applications_to_lead(modulus: f64) -> [u32; 2] {
+    let scene = Scene {
+        supports: vec![
+            support("s_eq", [Some(0.0), Some(0.0), None]),
+            support("m_eq", HELD_IN_PLANE),
+        ],
+        contacts: between("m_con", "s_con"),
+        ..rubber([("slave", modulus), ("master", 1.0)], None)
+    };
+    let step = pull("s_eq", [None, Some(-0.1), None], 2);
+    let reports = solve(&scene, &[step], &curved_file("pair_discs"));
+    reports.iter().for_each(assert_converged);
+    [0, 1].map(|increment| reports[increment].preconditioner_applications)
+}
+
+#[test]
+fn a_stiff_cylinder_that_is_led_costs_about_what_a_soft_one_does() {
+    let even = applications_to_lead(1.0);
+    for modulus in [1e2, 1e4, 1e6] {
+        let found = applications_to_lead(modulus);
+        for (found, even) in found.iter().zip(even) {
+            assert!(10 * found <= 18 * even, "{modulus}: {found} beside {even}");
+        }
+    }
 }

@@ -37,7 +37,7 @@ pub(crate) use resolved::{
     HeldPlane, ObliquePlane, Placed, Resolved, ResolvedFluid, ResolvedMaterial, ResolvedObstacle,
     ResolvedPair, ResolvedPressure, ResolvedProbe, ResolvedSupport, ResolvedTraction,
 };
-pub(crate) use rigid_modes::parts;
+pub(crate) use rigid_modes::{joined_parts, parts};
 pub(crate) use spread::{Spread, Table};
 pub(crate) use steps::check_step;
 pub(crate) use values::{Ground, resolve as resolve_values};

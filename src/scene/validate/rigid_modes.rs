@@ -187,6 +187,11 @@ pub(crate) fn parts(mesh: &Mesh) -> Vec<u32> {
         .collect()
 }
 
+/// The same, tied parts being one.
+pub(crate) fn joined_parts(mesh: &Mesh, ties: &[ResolvedPair]) -> Vec<u32> {
+    joined(parts(mesh), mesh, ties)
+}
+
 /// Parts of vertices, tied ones with the lowest number among them, numbered without gaps.
 fn joined(mut of_vertex: Vec<u32>, mesh: &Mesh, ties: &[ResolvedPair]) -> Vec<u32> {
     for tie in ties {
@@ -222,7 +227,7 @@ struct Parts<'a> {
 impl<'a> Parts<'a> {
     /// Of `mesh`, those that are tied being one.
     fn new(mesh: &'a Mesh, ties: &[ResolvedPair]) -> Self {
-        let of_vertex = joined(parts(mesh), mesh, ties);
+        let of_vertex = joined_parts(mesh, ties);
         let count = of_vertex.iter().max().map_or(0, |&last| last as usize + 1);
         Self {
             mesh,

@@ -5,8 +5,9 @@ use crate::inequality::BodyFactor;
 use crate::linalg::Workspace;
 use crate::linalg::vector::{add_scaled, norm};
 use crate::model::Model;
+use crate::model::carry::carry;
 use crate::model::evaluate::evaluate_body;
-use crate::model::prescribed::{carry, prescribe};
+use crate::model::prescribed::prescribe;
 use crate::model::state::State;
 use crate::sqp::run::Run;
 

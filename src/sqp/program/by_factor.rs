@@ -24,7 +24,7 @@ use std::sync::atomic::Ordering;
 use super::QuadraticProgram;
 use super::contact_edges::contact_edges;
 use super::geometric::curvature_between_bodies;
-use super::step::{Step, first_iterate, step_from};
+use super::step::{Step, step_from};
 use crate::contact::area_change::Pressures;
 use crate::contact::curvature_where_held;
 use crate::inequality::{
@@ -147,7 +147,7 @@ impl QuadraticProgram<'_> {
 
     /// The step to the solution in the compliance of the factor; none where that has none.
     pub(super) fn step_by_compliance(&self, run: &mut Run<'_>) -> Option<Step> {
-        let mut iterate = first_iterate(run.state, &self.now, self.motion.as_deref());
+        let mut iterate = self.first_iterate(self.geometric.all(), run);
         run.counters.applications += 2;
         let moved = self.move_by_compliance(&mut iterate, run.work);
         moved.map(|()| step_from(iterate, run.state))
@@ -158,7 +158,7 @@ impl QuadraticProgram<'_> {
     pub(super) fn step_on_face(&self, run: &mut Run<'_>, level: f64) -> Option<Step> {
         let body = self.factored.as_ref()?;
         body.begin();
-        let mut iterate = first_iterate(run.state, &self.now, self.motion.as_deref());
+        let mut iterate = self.first_iterate(self.geometric.all(), run);
         self.move_by_compliance(&mut iterate, run.work)?;
         let blocks = self.blocks();
         let step = self.block_step(&*self.inverse.displacement, run.work);

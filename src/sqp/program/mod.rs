@@ -36,6 +36,7 @@ use crate::linalg::{LinearOperator, SymmetricMatrix, Workspace};
 use crate::model::Model;
 use crate::model::counters::timed;
 use crate::model::evaluate::Evaluation;
+use crate::model::prescribed::Motion;
 use crate::model::tangent::Tangent;
 use crate::precond::coarse_schur::CoarseSchur;
 use crate::precond::volume_modes::VolumeModes;
@@ -56,7 +57,7 @@ pub(crate) struct QuadraticProgram<'a> {
     inverse: Arc<ApproximateInverse>,
     /// What supports move in this program `[displacement unknowns]`; none where they
     /// stand still.
-    motion: Option<Vec<f64>>,
+    motion: Option<Motion>,
     /// Residuals after the prescribed motion of the supports.
     now: Evaluation,
     /// What loads and contacts take off the stiffness.
@@ -81,7 +82,7 @@ impl<'a> QuadraticProgram<'a> {
     pub(crate) fn new(
         run: &mut Run<'a>,
         now: &Evaluation,
-        motion: Option<Vec<f64>>,
+        motion: Option<Motion>,
         first_force: &mut f64,
     ) -> Self {
         let tangent = timed(&mut run.counters.seconds.assemble, || {
@@ -89,9 +90,15 @@ impl<'a> QuadraticProgram<'a> {
             Tangent::new(&run.model, run.state, linearised, run.work)
         });
         let inverse = inverse(run, tangent.as_ref());
+        let geometric = timed(&mut run.counters.seconds.contact, || {
+            GeometricStiffness::of(&run.model, run.state, now)
+        });
         let now = match (&tangent, &motion) {
             (Some(tangent), Some(motion)) => {
-                tangent.after(motion, (&run.model, run.state), now, run.work)
+                let rows = geometric.rows.as_ref().unwrap_or(&now.coupling);
+                let mut moved = tangent.after(motion, (&run.model, run.state), now, run.work);
+                motion.move_gaps(rows, &mut moved.gap, run.work);
+                moved
             }
             _ => now.clone(),
         };
@@ -102,7 +109,6 @@ impl<'a> QuadraticProgram<'a> {
         let metric = ContactMetric::new(&run.model, &inverse, volumes, &now, run.work);
         run.counters.applications += metric.applications;
         let expected = metric.predicted_load(&now, run.state, run.work);
-        let geometric = GeometricStiffness::of(&run.model, run.state, &now);
         let augmentation = augmentation::augmentation(&run.model, run.state);
         run.counters.seconds.contact += start.elapsed().as_secs_f64();
         Self {

@@ -213,7 +213,7 @@ impl QuadraticProgram<'_> {
 
     /// Where the method begins: at the state, or at what an exact factor makes of it.
     fn start_from(&self, curvature: Option<&SparseRows>, run: &mut Run<'_>) -> QpIterate {
-        let mut iterate = first_iterate(run.state, &self.now, self.motion.as_deref());
+        let mut iterate = self.first_iterate(curvature, run);
         self.leave_out_advance(curvature, &mut iterate.force);
         if let Some(body) = &self.factored {
             body.begin();
@@ -221,6 +221,26 @@ impl QuadraticProgram<'_> {
         if self.has_exact_factor() {
             // Where that has no solution the method begins from the state.
             let _ = self.move_by_compliance(&mut iterate, run.work);
+        }
+        iterate
+    }
+
+    /// The iterate after the motion of the supports, with what `curvature` adds to A.
+    pub(super) fn first_iterate(
+        &self,
+        curvature: Option<&SparseRows>,
+        run: &mut Run<'_>,
+    ) -> QpIterate {
+        let mut iterate = first_iterate(run.state, &self.now, self.motion.as_ref());
+        let carried = self
+            .motion
+            .as_ref()
+            .and_then(|motion| motion.carried.as_ref());
+        if let (Some(curvature), Some(carried)) = (curvature, carried) {
+            let mut force = run.work.scratch(carried.len());
+            curvature.apply(carried, &mut force, run.work);
+            add_scaled(&mut iterate.force, 1.0, &force);
+            run.work.give(force);
         }
         iterate
     }

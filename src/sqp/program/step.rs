@@ -7,6 +7,7 @@
 use crate::inequality::{BlockIterate, QpIterate};
 use crate::linalg::vector::add_scaled;
 use crate::model::evaluate::Evaluation;
+use crate::model::prescribed::Motion;
 use crate::model::state::State;
 use crate::saddle::Status;
 
@@ -36,10 +37,10 @@ impl Step {
 
 /// The iterate that a program starts from: the prescribed motion, the residuals after
 /// it, and the multipliers of the state.
-pub(crate) fn first_iterate(state: &State, now: &Evaluation, motion: Option<&[f64]>) -> QpIterate {
+pub(crate) fn first_iterate(state: &State, now: &Evaluation, motion: Option<&Motion>) -> QpIterate {
     let still = || vec![0.0; state.displacement.len()];
     QpIterate {
-        displacement: motion.map_or_else(still, <[f64]>::to_vec),
+        displacement: motion.map_or_else(still, Motion::whole),
         force: now.force.clone(),
         blocks: blocks(
             now.constraint.clone(),
