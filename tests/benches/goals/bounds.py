@@ -8,7 +8,7 @@ fiftieth of the first bound in the place of that, and the last mesh tells those 
 tools have friction and move sideways, too, in one increment; scenes without a tool are left out.
 
 usage: bounds.py [COUNT [SEED]] [--adapted | --rough] [--save FILE]
-SIGNORINI names the program. Needs `pip install gmsh`.
+SIGNORINI names the program, PATIENCE the seconds of one solution. Needs `pip install gmsh`.
 """
 import argparse
 import json
@@ -33,8 +33,8 @@ PART, MOST_UNKNOWNS = 50, 60000
 ABOVE = 4.0
 # Values whose error is below this part of them are exact on every mesh.
 EXACT = 1e-7
-# Seconds of one solution, beyond which the scene is left.
-PATIENCE = 20.0
+# Seconds of one solution, beyond which the scene is left: more where other work shares the machine.
+PATIENCE = float(os.environ.get("PATIENCE", 20.0))
 
 
 def plane_mesh(path, outline, size):
