@@ -161,6 +161,9 @@ fn first(problem: Problem<'_>, watch: &mut Watch<'_>) -> Result<Present, Adaptio
     if plan.has_friction() {
         return Err(GoalError::NeedsHistory(History::Carried).into());
     }
+    if !plan.problem.resolved.fluids.is_empty() {
+        return Err(GoalError::NeedsHistory(History::Fluids).into());
+    }
     let prepared = Arc::new(Prepared::build(&plan, problem.mesh, watch.cancel)?);
     let mesh = plan.body_mesh(problem.mesh);
     let mut session = Session::new(plan.clone(), problem.mesh.clone(), prepared, Reuse::Built);

@@ -1,6 +1,7 @@
 //! Which states depend on their way.
 //!
-//! Friction counts slip from where the increment began. The equations of the last increment, with
+//! Nodes that a fluid wets are a set like that of closed contacts: the same near the state, so that
+//! derivatives are those between two changes of it. Friction counts slip from where the increment began. The equations of the last increment, with
 //! that place given, have a dual solution like any others, and its error by the mesh; but what of the
 //! place depends on a parameter they do not know. They do not need to where the increment began at
 //! rest, or where nothing asks for the slip: where nothing sticks, and in the plane what slips goes one
@@ -13,15 +14,11 @@ use crate::model::friction::{Friction, SlipStart};
 use crate::model::state::State;
 use crate::saddle::{Components, Status};
 
-/// Refuses bodies whose state depends on its way, with friction only where derivatives are asked
-/// for.
+/// Refuses bodies whose state depends on its way where derivatives are asked for.
 pub(super) fn refuse_history(
     (model, state): (&Model<'_>, &State),
     asks_for_derivatives: bool,
 ) -> Result<(), GoalError> {
-    if !model.plan.problem.resolved.fluids.is_empty() {
-        return Err(GoalError::NeedsHistory(History::Fluids));
-    }
     let Some(friction) = &model.interfaces.friction else {
         return Ok(());
     };

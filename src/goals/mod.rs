@@ -23,7 +23,7 @@
 //! | [`place`], [`perturbed`], [`gradient`] | the derivative of J + y . R with the state held fast |
 //!
 //! Where points slip x has no traction of its own: it follows its pressure, so that K is not
-//! symmetric. Nothing of a session is changed by asking. Bodies without fluids, whose state depends
+//! symmetric. Nothing of a session is changed by asking. Bodies whose state does not depend
 //! on its way; with friction see [`history`].
 
 mod answer;

@@ -112,6 +112,7 @@ impl Change {
                 plan.problem.resolved.pressures[*index].value += by;
                 changed.plan = Some(plan);
             }
+            Place::Fluid(index) => changed.state.drive.fluids[*index].pressure += by,
             Place::Traction(index, axis) => {
                 let mut plan = model.plan.clone();
                 plan.problem.resolved.tractions[*index].value[*axis] += by;

@@ -32,6 +32,8 @@ pub(super) enum Place {
     Load,
     /// Number of the pressure.
     Pressure(usize),
+    /// Number of the fluid.
+    Fluid(usize),
     /// Number of the traction, axis.
     Traction(usize, usize),
     /// Axis.
@@ -48,9 +50,11 @@ impl Place {
             Self::Pose(..) | Self::Shape(..) | Self::Friction(_) | Self::Tresca(_) => {
                 Terms::Contact
             }
-            Self::Load | Self::Pressure(_) | Self::Traction(..) | Self::BodyForce(_) => {
-                Terms::Loads
-            }
+            Self::Load
+            | Self::Pressure(_)
+            | Self::Fluid(_)
+            | Self::Traction(..)
+            | Self::BodyForce(_) => Terms::Loads,
             Self::Support(..) => Terms::All,
         }
     }
@@ -65,7 +69,11 @@ impl Place {
                     model.is_rubber() && !matches!(law, MaterialModel::Rubber { .. });
                 resolved.kind != SceneKind::PlaneStress && !is_beside_rubber && is_linear(law, key)
             }
-            Self::Load | Self::Pressure(_) | Self::Traction(..) | Self::BodyForce(_) => true,
+            Self::Load
+            | Self::Pressure(_)
+            | Self::Fluid(_)
+            | Self::Traction(..)
+            | Self::BodyForce(_) => true,
             Self::Friction(_) | Self::Tresca(_) => true,
             Self::Support(..) => model.is_linear(),
             Self::Pose(..) | Self::Shape(..) => false,
@@ -86,7 +94,9 @@ impl Place {
             Self::Tresca(index) if model.plan.problem.obstacles[*index].tresca.is_none() => {
                 return Err("the obstacle has no bound on its tractions");
             }
-            Self::Pressure(_) | Self::Traction(..) | Self::Tresca(_) => OF_CONSTANTS * units.stress,
+            Self::Pressure(_) | Self::Fluid(_) | Self::Traction(..) | Self::Tresca(_) => {
+                OF_CONSTANTS * units.stress
+            }
             Self::BodyForce(_) => OF_CONSTANTS * units.body_force(),
         })
     }
@@ -179,6 +189,10 @@ pub(super) fn place(model: &Model<'_>, parameter: &Parameter) -> Result<Place, G
         Parameter::Pressure { index } => {
             let is_there = *index < problem.resolved.pressures.len();
             Place::Pressure(found("pressure", is_there.then_some(*index))?)
+        }
+        Parameter::Fluid { fluid } => {
+            let mut all = problem.resolved.fluids.iter();
+            Place::Fluid(found("fluid", all.position(|one| one.name == *fluid))?)
         }
         Parameter::Traction { item, axis } => {
             let all = &problem.resolved.tractions;

@@ -15,6 +15,7 @@ use crate::contact::curvature;
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::model::Model;
+use crate::model::fluids::wetted_tangent;
 use crate::model::joined::Joined;
 use crate::model::pressures::pressed_tangent;
 use crate::model::state::State;
@@ -76,7 +77,7 @@ fn add_body(
     }
 }
 
-/// Takes off what pressures that follow the body make of the stiffness.
+/// Takes off what pressures and fluids that follow the body make of the stiffness.
 fn add_follower(
     model: &Model<'_>,
     state: &State,
@@ -84,7 +85,11 @@ fn add_follower(
     work: &mut Workspace,
 ) {
     let free = vec![false; motion.len()];
-    if let Some(tangent) = pressed_tangent(model, state, &free) {
+    let tangents = [
+        pressed_tangent(model, state, &free),
+        wetted_tangent(model, state, &free),
+    ];
+    for tangent in tangents.into_iter().flatten() {
         let mut product = vec![0.0; motion.len()];
         tangent.apply_transposed(motion, &mut product, work);
         add_scaled(&mut out.displacement, -1.0, &product);

@@ -95,13 +95,22 @@ pub(crate) fn fluid_load(model: &Model<'_>, state: &State, index: usize) -> ([f6
 
 /// What the fluids take off the stiffness at a state; none where none follows the body.
 pub(crate) fn fluid_tangent(model: &Model<'_>, state: &State) -> Option<SparseRows> {
+    let prepared = &model.prepared;
+    let tangent = wetted_tangent(model, state, &prepared.is_held)?;
+    Some(prepared.held.project_matrix(tangent))
+}
+
+/// The same without rows and columns of what is `held` `[displacement unknowns]`.
+pub(crate) fn wetted_tangent(
+    model: &Model<'_>,
+    state: &State,
+    held: &[bool],
+) -> Option<SparseRows> {
     let follows = model.is_rubber() && state.drive.has_fluid_pressure();
     follows.then(|| {
         let nodal = nodal_pressures(model, state);
         let body = pressed(model, moved(model, state));
-        let held = &model.prepared;
-        let tangent = follower_tangent(&body, &follower(model, &nodal), &held.is_held);
-        held.held.project_matrix(tangent)
+        follower_tangent(&body, &follower(model, &nodal), held)
     })
 }
 

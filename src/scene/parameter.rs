@@ -71,6 +71,11 @@ pub enum Parameter {
         /// Its place among the pressures of the scene.
         index: usize,
     },
+    /// The pressure of a fluid.
+    Fluid {
+        /// The fluid.
+        fluid: String,
+    },
     /// A component of a dead load.
     Traction {
         /// Its name, or its place among the tractions of the scene.
@@ -94,7 +99,7 @@ pub enum Parameter {
 
 /// The form of parameters, for messages.
 const FORM: &str = "material.GROUP.KEY, obstacle.NAME.KEY, support.NAME.AXIS, pressure.NUMBER, \
-                    traction.NAME.AXIS, body_force.AXIS, mesh or load";
+                    fluid.NAME.pressure, traction.NAME.AXIS, body_force.AXIS, mesh or load";
 
 /// Keys of an obstacle with an axis that are not its shape's, and their first axis.
 const MOTIONS: [(&str, u8); 4] = [
@@ -139,6 +144,12 @@ fn parsed(text: &str) -> Option<Parameter> {
         "pressure" => Some(Parameter::Pressure {
             index: rest.parse().ok()?,
         }),
+        "fluid" => {
+            let name = rest.strip_suffix(".pressure")?;
+            (!name.is_empty()).then(|| Parameter::Fluid {
+                fluid: name.to_owned(),
+            })
+        }
         "traction" => {
             let (item, last) = rest.rsplit_once('.')?;
             Some(Parameter::Traction {
@@ -198,6 +209,7 @@ impl fmt::Display for Parameter {
             Self::Load => write!(out, "load"),
             Self::Mesh => write!(out, "mesh"),
             Self::Pressure { index } => write!(out, "pressure.{index}"),
+            Self::Fluid { fluid } => write!(out, "fluid.{fluid}.pressure"),
             Self::Traction { item, axis } => write!(out, "traction.{item}.{}", axis_name(*axis)),
             Self::BodyForce { axis } => write!(out, "body_force.{}", axis_name(*axis)),
             Self::Support { support, axis } => {
@@ -226,6 +238,7 @@ mod tests {
             "load",
             "mesh",
             "pressure.0",
+            "fluid.oil.pressure",
             "traction.side.x",
             "body_force.z",
             "support.base.x",
@@ -244,6 +257,8 @@ mod tests {
             "loads",
             "material.c10",
             "pressure.x",
+            "fluid.oil",
+            "fluid.pressure",
             "support.base",
             "body_force.w",
         ] {

@@ -6,6 +6,7 @@ mod common;
 mod adapted;
 mod bodies;
 mod bounds;
+mod fluids;
 mod friction;
 mod gradients;
 mod nodes;

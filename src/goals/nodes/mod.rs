@@ -62,6 +62,7 @@ pub(super) fn refuse(model: &Model<'_>, state: &State) -> Result<(), GoalError> 
         ),
         (!problem.held_nodes.is_empty(), "supports of oblique planes"),
         (!state.drive.given.is_at_rest(), "values of other codes"),
+        (!resolved.fluids.is_empty(), "fluids"),
         (!problem.ties.is_empty(), "ties"),
         (!problem.pairs.is_empty(), "contact between bodies"),
     ];

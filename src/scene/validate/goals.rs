@@ -62,11 +62,6 @@ fn check_one(
             faults.add(format!("{path}.to"), format!("`{parameter}`: {lacking}"));
         }
     }
-    if !scene.fluids.is_empty() {
-        let message = "the scene has fluids: its state depends on its way, and derivatives of the \
-                       last increment alone would be wrong";
-        faults.unsupported(path, message);
-    }
     let mut contacts = scene.contacts.iter();
     if contacts.any(|one| one.friction > 0.0 || one.tresca.is_some()) {
         let message = "goals where bodies rub against each other are not solved yet; without \
@@ -148,6 +143,10 @@ fn lacking(scene: &Scene, parameter: &Parameter) -> Option<&'static str> {
         Parameter::Pressure { index } => unless(
             *index < scene.pressures.len(),
             "the scene has no such pressure; they are counted from 0",
+        ),
+        Parameter::Fluid { fluid } => unless(
+            scene.fluids.iter().any(|one| one.name == *fluid),
+            "the scene has no fluid of that name",
         ),
         Parameter::Traction { item, .. } => {
             let mut all = scene.tractions.iter();

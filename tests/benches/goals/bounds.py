@@ -5,9 +5,10 @@ Bodies in the plane, about an axis and in space, linear and of rubber, pulled or
 scene is solved on a coarse mesh and on refinements of it, all edges halved; the finest one, extrapolated where the
 values settle, tells the true errors of those before it. With `--adapted` the mesh is refined for the goal to a
 fiftieth of the first bound in the place of that, and the last mesh tells those of the meshes before it. With `--rough`
-tools have friction and move sideways, too, in one increment; scenes without a tool are left out.
+tools have friction and move sideways, too, in one increment; scenes without a tool are left out. With `--wet` a fluid
+comes from the left side to the tool; scenes that are not bonded to their base, or leak, are left out.
 
-usage: bounds.py [COUNT [SEED]] [--adapted | --rough] [--save FILE]
+usage: bounds.py [COUNT [SEED]] [--adapted | --rough | --wet] [--save FILE]
 SIGNORINI names the program, PATIENCE the seconds of one solution. Needs `pip install gmsh`.
 """
 import argparse
@@ -175,6 +176,22 @@ def rough(rng, text):
     return text.replace("translation = [0.0", f"translation = [{rng.uniform(0.005, 0.03)}")
 
 
+def wet(rng, text):
+    """The scene with a fluid at the left side of the body."""
+    if "[[obstacle]]" not in text or "kind" not in text.split("[material")[0]:
+        raise RuntimeError("no tool, or in space")
+    if 'on = "left"' in text:
+        raise RuntimeError("the left side is held")
+    pressure = rng.uniform(0.01, 0.1)
+    return text.replace("[[step]]", f'''[[fluid]]
+name = "water"
+on = ["left", "top"]
+from = "left"
+dry = "right"
+pressure = {pressure}
+[[step]]''', 1)
+
+
 def write(folder, text):
     (folder / "scene.toml").write_text('name = "bound"\n' + text)
 
@@ -188,6 +205,8 @@ def run(folder, text):
     steps = [line for line in lines if line["event"] == "step"]
     if not steps or steps[-1]["termination"] != "converged":
         raise RuntimeError(steps[-1]["termination"] if steps else done.stderr[-300:])
+    if any(fluid["tightness"] != "tight" for fluid in steps[-1].get("fluids", {}).values()):
+        raise RuntimeError("the fluid leaks")
     return lines, steps[-1]
 
 
@@ -253,6 +272,7 @@ def main():
     kinds = asked.add_mutually_exclusive_group()
     kinds.add_argument("--adapted", action="store_true")
     kinds.add_argument("--rough", action="store_true")
+    kinds.add_argument("--wet", action="store_true")
     asked.add_argument("--save")
     asked = asked.parse_args()
     ratios, estimates, failed = [], [], 0
@@ -262,7 +282,7 @@ def main():
             folder = Path(folder)
             text, goal, name = scene(rng, folder)
             try:
-                text = rough(rng, text) if asked.rough else text
+                text = rough(rng, text) if asked.rough else wet(rng, text) if asked.wet else text
                 meshes, reference = (adapted if asked.adapted else uniform)(folder, text, goal)
             except (RuntimeError, subprocess.SubprocessError) as error:
                 failed += 1

@@ -1,0 +1,94 @@
+//! Goals beside fluids: near a state the same nodes are wet, so that derivatives agree with differences
+//! of whole solves, the fluid's own pressure among the parameters.
+
+use crate::common::assert_converged;
+use crate::gradients::{Change, Problem, assert_differences, linear, pressed, set_c10, set_height};
+use signorini::report::{StepReport, Tightness};
+use signorini::scene::{Fluid, GoalErrors, GoalQuestions, MaterialModel, Modulus};
+
+/// A block under a ball and a bar whose left side and lid water wets up to the ball.
+fn wet(mut problem: Problem) -> Problem {
+    problem.scene.fluids = vec![Fluid {
+        name: "water".to_owned(),
+        on: vec!["x0".to_owned(), "y1".to_owned()],
+        from: vec!["x0".to_owned()],
+        dry: vec!["x1".to_owned()],
+        pressure: 0.04,
+        ..Fluid::default()
+    }];
+    problem
+}
+
+fn last(problem: &Problem) -> StepReport {
+    let (_, reports) = crate::common::run(&problem.scene, &problem.steps, &problem.mesh);
+    reports.iter().for_each(assert_converged);
+    reports.into_iter().last().expect("a report")
+}
+
+fn set_water(problem: &mut Problem, by: f64) {
+    problem.scene.fluids[0].pressure += by;
+}
+
+fn set_shear(problem: &mut Problem, by: f64) {
+    if let MaterialModel::LinearElastic { modulus, .. } = &mut problem.scene.materials[0].model {
+        if let Modulus::Shear(shear) = modulus {
+            *shear += by;
+        }
+    }
+}
+
+const GOALS: [&str; 5] = [
+    "force.ball.x",
+    "force.ball.y",
+    "reaction.base.x",
+    "reaction.base.y",
+    "strain_energy",
+];
+
+fn assert_wet_differences(problem: Problem, law: Change<'_>) {
+    let problem = wet(problem);
+    let water = &last(&problem).fluids["water"];
+    assert_eq!(water.tightness, Tightness::Tight);
+    assert!(water.wet_area > 1.1, "{}", water.wet_area);
+    let changes: [Change<'_>; 3] = [
+        law,
+        ("fluid.water.pressure", 1e-6, &set_water),
+        ("obstacle.ball.translation.y", 1e-6, &set_height(2)),
+    ];
+    assert_differences(&problem, &GOALS, &changes);
+}
+
+#[test]
+fn a_wet_block_of_rubber_agrees_with_differences_of_whole_solves() {
+    assert_wet_differences(
+        pressed(2, Some(40.0)),
+        ("material.body.c10", 1e-5, &set_c10),
+    );
+}
+
+#[test]
+fn a_wet_linear_block_agrees_with_differences_of_whole_solves() {
+    assert_wet_differences(
+        linear(2, 0.3),
+        ("material.body.shear_modulus", 1e-5, &set_shear),
+    );
+}
+
+#[test]
+fn goals_beside_fluids_are_the_numbers_of_the_report_with_a_bound() {
+    let mut problem = wet(pressed(2, Some(40.0)));
+    problem.scene.questions = vec![GoalQuestions {
+        goals: vec!["force.ball.y".parse().expect("a goal")],
+        parameters: Vec::new(),
+        errors: GoalErrors::Bounded,
+    }];
+    let report = last(&problem);
+    let goal = &report.goals[0];
+    let force = report.obstacles["ball"].force[1];
+    assert!((goal.value - force).abs() < 1e-12 * force.abs());
+    let bound = goal.bound.as_ref().expect("a bound").total();
+    assert!(
+        bound > 1e-4 * force.abs() && bound < 0.5 * force.abs(),
+        "{bound}"
+    );
+}
