@@ -82,11 +82,13 @@ impl<'a> OwnContact<'a> {
         let body = model.deformed(&state.displacement);
         let pressure = self.interface.own(&state.multiplier);
         let free = vec![false; self.size];
-        if let Some(pair) = self.interface.pair() {
-            return pair.curvature(&body, (&self.interface.surface, &pressure), &free);
-        }
-        let surface = (&self.interface.surface, &self.met, &pressure[..]);
-        let own = curvature(&body, &[surface], &free);
+        let own = match self.interface.pair() {
+            Some(pair) => pair.curvature(&body, (&self.interface.surface, &pressure), &free),
+            None => {
+                let surface = (&self.interface.surface, &self.met, &pressure[..]);
+                curvature(&body, &[surface], &free)
+            }
+        };
         let Some(friction) = &model.interfaces.friction else {
             return own;
         };

@@ -107,6 +107,18 @@ impl Change {
                 }
                 changed.plan = Some(plan);
             }
+            Place::PairFriction(index) => {
+                let mut plan = model.plan.clone();
+                plan.problem.pairs[*index].friction += by;
+                changed.plan = Some(plan);
+            }
+            Place::PairTresca(index) => {
+                let mut plan = model.plan.clone();
+                if let Some(bound) = &mut plan.problem.pairs[*index].tresca {
+                    *bound += by;
+                }
+                changed.plan = Some(plan);
+            }
             Place::Pressure(index) => {
                 let mut plan = model.plan.clone();
                 plan.problem.resolved.pressures[*index].value += by;

@@ -28,6 +28,10 @@ pub(super) enum Place {
     Friction(usize),
     /// The same, with a given bound.
     Tresca(usize),
+    /// Coefficient of friction of the contact between bodies of that number.
+    PairFriction(usize),
+    /// Its given bound.
+    PairTresca(usize),
     /// Of all loads.
     Load,
     /// Number of the pressure.
@@ -47,9 +51,12 @@ impl Place {
     pub(super) fn terms(&self) -> Terms {
         match self {
             Self::Material(..) => Terms::Body,
-            Self::Pose(..) | Self::Shape(..) | Self::Friction(_) | Self::Tresca(_) => {
-                Terms::Contact
-            }
+            Self::Pose(..)
+            | Self::Shape(..)
+            | Self::Friction(_)
+            | Self::Tresca(_)
+            | Self::PairFriction(_)
+            | Self::PairTresca(_) => Terms::Contact,
             Self::Load
             | Self::Pressure(_)
             | Self::Fluid(_)
@@ -75,6 +82,7 @@ impl Place {
             | Self::Traction(..)
             | Self::BodyForce(_) => true,
             Self::Friction(_) | Self::Tresca(_) => true,
+            Self::PairFriction(_) | Self::PairTresca(_) => true,
             Self::Support(..) => model.is_linear(),
             Self::Pose(..) | Self::Shape(..) => false,
         }
@@ -94,9 +102,15 @@ impl Place {
             Self::Tresca(index) if model.plan.problem.obstacles[*index].tresca.is_none() => {
                 return Err("the obstacle has no bound on its tractions");
             }
-            Self::Pressure(_) | Self::Fluid(_) | Self::Traction(..) | Self::Tresca(_) => {
-                OF_CONSTANTS * units.stress
+            Self::PairFriction(index) => pair_friction_step(model, *index)?,
+            Self::PairTresca(index) if model.plan.problem.pairs[*index].tresca.is_none() => {
+                return Err("the contact has no bound on its tractions");
             }
+            Self::Pressure(_)
+            | Self::Fluid(_)
+            | Self::Traction(..)
+            | Self::Tresca(_)
+            | Self::PairTresca(_) => OF_CONSTANTS * units.stress,
             Self::BodyForce(_) => OF_CONSTANTS * units.body_force(),
         })
     }
@@ -164,6 +178,10 @@ pub(super) fn place(model: &Model<'_>, parameter: &Parameter) -> Result<Place, G
         let mut all = problem.obstacles.iter();
         found("obstacle", all.position(|one| one.name == *name))
     };
+    let pair = |name: &String| {
+        let mut all = problem.pairs.iter();
+        found("contact", all.position(|one| one.name == *name))
+    };
     Ok(match parameter {
         Parameter::Material { group, constant } => {
             let mut all = problem.scene.materials.iter();
@@ -184,6 +202,8 @@ pub(super) fn place(model: &Model<'_>, parameter: &Parameter) -> Result<Place, G
         } => Place::Shape(obstacle(name)?, key.clone()),
         Parameter::Friction { obstacle: name } => Place::Friction(obstacle(name)?),
         Parameter::Tresca { obstacle: name } => Place::Tresca(obstacle(name)?),
+        Parameter::ContactFriction { contact } => Place::PairFriction(pair(contact)?),
+        Parameter::ContactTresca { contact } => Place::PairTresca(pair(contact)?),
         Parameter::Mesh => return Err(no_number(parameter)),
         Parameter::Load => Place::Load,
         Parameter::Pressure { index } => {
@@ -225,6 +245,16 @@ fn friction_step((model, state): (&Model<'_>, &State), index: usize) -> Result<f
         _ if is_given => Err("the bound of its tractions is given, not a multiple of the pressure"),
         Some(&value) if value > 0.0 => Ok(OF_CONSTANTS * value),
         _ => Err("the obstacle has no friction there, and which way it would slip is not known"),
+    }
+}
+
+/// The same of a contact between bodies.
+fn pair_friction_step(model: &Model<'_>, index: usize) -> Result<f64, &'static str> {
+    let pair = &model.plan.problem.pairs[index];
+    match pair.tresca {
+        Some(_) => Err("the bound of its tractions is given, not a multiple of the pressure"),
+        None if pair.friction > 0.0 => Ok(OF_CONSTANTS * pair.friction),
+        None => Err("the contact has no friction, and which way it would slip is not known"),
     }
 }
 

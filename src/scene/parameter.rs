@@ -62,6 +62,16 @@ pub enum Parameter {
         /// The obstacle.
         obstacle: String,
     },
+    /// The coefficient of friction of a contact between bodies.
+    ContactFriction {
+        /// The contact.
+        contact: String,
+    },
+    /// The given bound of the tractions of a contact between bodies.
+    ContactTresca {
+        /// The contact.
+        contact: String,
+    },
     /// The factor of all loads.
     Load,
     /// The places of all vertices.
@@ -98,7 +108,7 @@ pub enum Parameter {
 }
 
 /// The form of parameters, for messages.
-const FORM: &str = "material.GROUP.KEY, obstacle.NAME.KEY, support.NAME.AXIS, pressure.NUMBER, \
+const FORM: &str = "material.GROUP.KEY, obstacle.NAME.KEY, contact.NAME.KEY, support.NAME.AXIS, pressure.NUMBER, \
                     fluid.NAME.pressure, traction.NAME.AXIS, body_force.AXIS, mesh or load";
 
 /// Keys of an obstacle with an axis that are not its shape's, and their first axis.
@@ -134,6 +144,7 @@ fn parsed(text: &str) -> Option<Parameter> {
             Some(Parameter::Material { group, constant })
         }
         "obstacle" => of_obstacle(rest),
+        "contact" => of_contact(rest),
         "support" => {
             let (support, last) = rest.rsplit_once('.')?;
             Some(Parameter::Support {
@@ -187,6 +198,16 @@ fn of_obstacle(text: &str) -> Option<Parameter> {
     })
 }
 
+fn of_contact(text: &str) -> Option<Parameter> {
+    let (name, key) = text.rsplit_once('.').filter(|(name, _)| !name.is_empty())?;
+    let contact = name.to_owned();
+    match key {
+        "friction" => Some(Parameter::ContactFriction { contact }),
+        "tresca" => Some(Parameter::ContactTresca { contact }),
+        _ => None,
+    }
+}
+
 impl fmt::Display for Parameter {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let of_six = |[along, about]: [&'static str; 2], axis: u8| {
@@ -206,6 +227,8 @@ impl fmt::Display for Parameter {
             Self::Shape { obstacle, key } => write!(out, "obstacle.{obstacle}.{key}"),
             Self::Friction { obstacle } => write!(out, "obstacle.{obstacle}.friction"),
             Self::Tresca { obstacle } => write!(out, "obstacle.{obstacle}.tresca"),
+            Self::ContactFriction { contact } => write!(out, "contact.{contact}.friction"),
+            Self::ContactTresca { contact } => write!(out, "contact.{contact}.tresca"),
             Self::Load => write!(out, "load"),
             Self::Mesh => write!(out, "mesh"),
             Self::Pressure { index } => write!(out, "pressure.{index}"),
@@ -235,6 +258,8 @@ mod tests {
             "obstacle.lid.force.y",
             "obstacle.lid.friction",
             "obstacle.lid.tresca",
+            "contact.ring.friction",
+            "contact.back-up.ring.tresca",
             "load",
             "mesh",
             "pressure.0",
@@ -257,6 +282,8 @@ mod tests {
             "loads",
             "material.c10",
             "pressure.x",
+            "contact.friction",
+            "contact.ring.carries",
             "fluid.oil",
             "fluid.pressure",
             "support.base",

@@ -184,6 +184,54 @@ fn tied_bodies_agree_with_differences_of_whole_solves() {
     }
 }
 
+/// The upper body is led sideways over the lower one.
+fn dragged(scene: Scene, change: impl Fn(&mut ContactPair)) -> Problem {
+    let mut problem = touching(scene, ["up_y0", "low_y1"]);
+    change(&mut problem.scene.contacts[0]);
+    problem.scene.supports[1].displacement[0] = Some(0.01);
+    let (_, reports) = run(&problem.scene, &problem.steps, &problem.mesh);
+    let joint = &reports[0].contacts["joint"];
+    let friction = joint.friction.as_ref().expect("friction");
+    assert!(friction.stick_vertices > 0 && friction.slip_vertices > 0);
+    problem
+}
+
+fn set_coefficient(problem: &mut Problem, by: f64) {
+    problem.scene.contacts[0].friction += by;
+}
+
+fn set_bound(problem: &mut Problem, by: f64) {
+    if let Some(bound) = &mut problem.scene.contacts[0].tresca {
+        *bound += by;
+    }
+}
+
+const RUBBED: [&str; 5] = [
+    "force.joint.x",
+    "force.joint.y",
+    "reaction.base.x",
+    "force.ball.y",
+    "strain_energy",
+];
+
+#[test]
+fn bodies_that_rub_against_each_other_agree_with_differences_of_whole_solves() {
+    for scene in [of_rubber(), linear()] {
+        let problem = dragged(scene, |contact| contact.friction = 0.2);
+        assert_derivatives(&problem, &RUBBED);
+        let own: Change<'_> = ("contact.joint.friction", 1e-6, &set_coefficient);
+        assert_differences(&problem, &RUBBED, &[own]);
+    }
+}
+
+#[test]
+fn bodies_that_rub_with_a_given_bound_agree_with_differences_of_whole_solves() {
+    let problem = dragged(of_rubber(), |contact| contact.tresca = Some(0.05));
+    assert_derivatives(&problem, &RUBBED);
+    let own: Change<'_> = ("contact.joint.tresca", 1e-7, &set_bound);
+    assert_differences(&problem, &RUBBED, &[own]);
+}
+
 /// As scene files ask: with every increment.
 #[test]
 fn scenes_with_ties_may_ask_for_bounds_and_derivatives() {

@@ -99,17 +99,17 @@ impl Friction {
     }
 
     /// What the change of the surfaces adds to the rows of slips `[multipliers, displacement]`, and
-    /// what tractions take off the stiffness; none without such contacts of bodies of finite strain.
+    /// what tractions take off the stiffness, without rows and columns of `held` unknowns; none
+    /// without such contacts of bodies of finite strain.
     pub(super) fn change_between(
         &self,
-        model: &Model<'_>,
-        state: &State,
+        (model, state): (&Model<'_>, &State),
+        held: &[bool],
     ) -> Option<[SparseRows; 2]> {
         if !model.is_rubber() || self.pairs.is_empty() {
             return None;
         }
         let body = model.deformed(&state.displacement);
-        let held = &model.prepared.is_held;
         let start = model.conditions.slip_start.as_ref();
         let from = start.map_or(&state.displacement[..], |start| start.displacement());
         let mut rows: Vec<Row> = vec![Vec::new(); state.multiplier.len()];

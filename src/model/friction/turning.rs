@@ -87,7 +87,7 @@ impl Friction {
                 rows: turning.rows.plus(&rows),
                 geometric: turning.geometric.plus(&geometric),
             };
-            return Some(match self.change_between(model, state) {
+            return Some(match self.change_between((model, state), held) {
                 Some([rows, geometric]) => Turning {
                     rows: own.rows.plus(&rows),
                     geometric: own.geometric.plus(&geometric),

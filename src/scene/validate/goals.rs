@@ -62,12 +62,6 @@ fn check_one(
             faults.add(format!("{path}.to"), format!("`{parameter}`: {lacking}"));
         }
     }
-    let mut contacts = scene.contacts.iter();
-    if contacts.any(|one| one.friction > 0.0 || one.tresca.is_some()) {
-        let message = "goals where bodies rub against each other are not solved yet; without \
-                       `friction` of the contact they are";
-        faults.unsupported(path, message);
-    }
 }
 
 fn has_goal(scene: &Scene, goal: &Goal) -> bool {
@@ -129,6 +123,10 @@ fn lacking(scene: &Scene, parameter: &Parameter) -> Option<&'static str> {
                 ),
             }
         }
+        Parameter::ContactFriction { contact } | Parameter::ContactTresca { contact } => unless(
+            scene.contacts.iter().any(|one| one.name == *contact),
+            "the scene has no contact between bodies of that name",
+        ),
         Parameter::Shape { obstacle, key } => {
             let mut all = scene.obstacles.iter();
             match all.find(|one| one.name == *obstacle) {
