@@ -100,41 +100,13 @@ impl Change {
             Place::Pose(index, axis) => changed.set_pose(*index, *axis, by),
             Place::Load => changed.state.drive.load += by,
             Place::Friction(index) => changed.state.drive.friction[*index] += by,
-            Place::Tresca(index) => {
-                let mut plan = model.plan.clone();
-                if let Some(bound) = &mut plan.problem.obstacles[*index].tresca {
-                    *bound += by;
-                }
-                changed.plan = Some(plan);
-            }
-            Place::PairFriction(index) => {
-                let mut plan = model.plan.clone();
-                plan.problem.pairs[*index].friction += by;
-                changed.plan = Some(plan);
-            }
-            Place::PairTresca(index) => {
-                let mut plan = model.plan.clone();
-                if let Some(bound) = &mut plan.problem.pairs[*index].tresca {
-                    *bound += by;
-                }
-                changed.plan = Some(plan);
-            }
-            Place::Pressure(index) => {
-                let mut plan = model.plan.clone();
-                plan.problem.resolved.pressures[*index].value += by;
-                changed.plan = Some(plan);
-            }
             Place::Fluid(index) => changed.state.drive.fluids[*index].pressure += by,
-            Place::Traction(index, axis) => {
-                let mut plan = model.plan.clone();
-                plan.problem.resolved.tractions[*index].value[*axis] += by;
-                changed.set_load(plan);
-            }
-            Place::BodyForce(axis) => {
-                let mut plan = model.plan.clone();
-                plan.problem.resolved.body_force[*axis] += by;
-                changed.set_load(plan);
-            }
+            Place::Tresca(_)
+            | Place::PairFriction(_)
+            | Place::PairTresca(_)
+            | Place::Pressure(_)
+            | Place::Traction(..)
+            | Place::BodyForce(_) => changed.set_planned(&self.place, by),
             Place::Support(index, axis) => {
                 changed.state.drive.supports[*index][*axis] += by;
                 let drive = changed.state.drive.clone();
@@ -198,8 +170,30 @@ impl<'a> Perturbed<'a> {
         }
     }
 
-    fn set_load(&mut self, plan: Plan) {
-        self.load = Some(reference_load(&plan, self.mesh(), self.base.prepared));
+    /// Changes what the plan alone knows.
+    fn set_planned(&mut self, place: &Place, by: f64) {
+        let mut plan = self.base.plan.clone();
+        let problem = &mut plan.problem;
+        let bound = |bound: &mut Option<f64>| {
+            if let Some(bound) = bound {
+                *bound += by;
+            }
+        };
+        match place {
+            Place::Tresca(index) => bound(&mut problem.obstacles[*index].tresca),
+            Place::PairTresca(index) => bound(&mut problem.pairs[*index].tresca),
+            Place::PairFriction(index) => problem.pairs[*index].friction += by,
+            Place::Pressure(index) => problem.resolved.pressures[*index].value += by,
+            Place::Traction(index, axis) => {
+                problem.resolved.tractions[*index].value[*axis] += by;
+                self.load = Some(reference_load(&plan, self.mesh(), self.base.prepared));
+            }
+            Place::BodyForce(axis) => {
+                problem.resolved.body_force[*axis] += by;
+                self.load = Some(reference_load(&plan, self.mesh(), self.base.prepared));
+            }
+            _ => {}
+        }
         self.plan = Some(plan);
     }
 }

@@ -215,10 +215,7 @@ pub(super) fn place(model: &Model<'_>, parameter: &Parameter) -> Result<Place, G
             Place::Fluid(found("fluid", all.position(|one| one.name == *fluid))?)
         }
         Parameter::Traction { item, axis } => {
-            let all = &problem.resolved.tractions;
-            let named = all.iter().position(|one| one.name.as_ref() == Some(item));
-            let numbered = item.parse().ok().filter(|index| *index < all.len());
-            let index = found("traction", named.or(numbered))?;
+            let index = found("traction", traction(model, item))?;
             Place::Traction(index, usize::from(*axis))
         }
         Parameter::BodyForce { axis } => Place::BodyForce(usize::from(*axis)),
@@ -228,6 +225,13 @@ pub(super) fn place(model: &Model<'_>, parameter: &Parameter) -> Result<Place, G
             support_axis(model, parameter, (index, usize::from(*axis)))?
         }
     })
+}
+
+/// Number of a traction by its name or its place.
+fn traction(model: &Model<'_>, item: &str) -> Option<usize> {
+    let all = &model.plan.problem.resolved.tractions;
+    let named = all.iter().position(|one| one.name.as_deref() == Some(item));
+    named.or_else(|| item.parse().ok().filter(|index| *index < all.len()))
 }
 
 /// What is no single number is not changed by a step.

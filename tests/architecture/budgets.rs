@@ -39,7 +39,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("report", 1050, 3),
     ("results", 3172, 24),
     ("saddle", 1190, 6),
-    ("scene", 5550, 28),
+    ("scene", 5600, 28),
     ("session", 2400, 12),
     ("space", 190, 0),
     ("sqp", 7400, 89),
