@@ -316,16 +316,25 @@ fn refuse_unbalanced(run: &mut Run<'_>, now: &Evaluation) -> Result<(), GoalErro
     }
 }
 
-/// What obstacles are pushed by, as goals: their poses follow from these.
+/// What obstacles and supports are pushed by, as goals: their poses follow from these.
 fn pushing_goals(model: &Model<'_>, state: &State) -> Result<Vec<(Control, Goal)>, GoalError> {
     let controls = state.drive.controls().into_iter();
     let goal = |control: Control| match control.part {
-        Part::Support(_) => Err(GoalError::Absent {
+        Part::Support(_) if control.axis >= 3 => Err(GoalError::Absent {
             text: control.key().to_owned(),
-            cause: "errors and derivatives where supports are pushed or sprung are not known yet; \
-                 prescribe the displacement that the support has reached"
-                .to_owned(),
+            cause:
+                "errors and derivatives where supports are turned by moments or springs are not \
+                 known yet; prescribe the rotation that the support has reached"
+                    .to_owned(),
         }),
+        Part::Support(index) => Ok((
+            control,
+            Goal {
+                kind: GoalKind::Reaction,
+                name: model.plan.problem.resolved.supports[index].name.clone(),
+                axis: control.axis as u8,
+            },
+        )),
         Part::Obstacle(index) => Ok((
             control,
             Goal {

@@ -108,7 +108,7 @@ impl Free {
     /// From derivatives by the poses that follow.
     ///
     /// # Errors
-    /// [`GoalError`] where a pushed obstacle meets no resistance.
+    /// [`GoalError`] where what is pushed meets no resistance.
     pub(super) fn new(
         at: (&Model<'_>, &State),
         answered: &Answered<'_>,
@@ -128,14 +128,14 @@ impl Free {
             for (row, value) in pushed.into_iter().enumerate() {
                 *stiffness.at_mut(row, column) = value;
             }
+            *stiffness.at_mut(column, column) += spring(at.0, *control);
             by_pose.push(values);
         }
         let stiffness = (count > 0).then(|| DenseLu::new(&stiffness)).transpose();
         Ok(Self {
             stiffness: stiffness.map_err(|_| GoalError::Absent {
                 text: "pose".to_owned(),
-                cause: "the pushed obstacle meets no resistance: its pose has no derivative"
-                    .to_owned(),
+                cause: "what is pushed meets no resistance: its pose has no derivative".to_owned(),
             })?,
             by_pose,
         })
@@ -160,14 +160,17 @@ impl Free {
             (Parameter::Push { .. }, None) => {
                 absent("nothing pushes the obstacle so; its `translation` and `rotation` are given")
             }
-            (Parameter::Push { .. }, Some(place)) => {
+            (Parameter::SupportPush { .. }, None) => {
+                absent("nothing pushes the support so; its displacement is given")
+            }
+            (Parameter::Push { .. } | Parameter::SupportPush { .. }, Some(place)) => {
                 let mut unit = vec![0.0; answered.controls.len()];
                 unit[place] = 1.0;
                 Ok(self.led(answered.goals.len(), unit))
             }
-            (_, Some(_)) => absent(
-                "the pose follows from a push: ask for the `force` or `moment` of the obstacle",
-            ),
+            (_, Some(_)) => {
+                absent("the pose follows from a push: ask for the `force` or `moment` in its place")
+            }
             (_, None) => {
                 let mut values = differentiate(at, answered, &change)?;
                 let pushed = values.split_off(answered.goals.len());
@@ -239,23 +242,35 @@ impl Free {
 
 /// The component of a pose as a parameter.
 fn of_pose(model: &Model<'_>, control: Control) -> Parameter {
-    let obstacles = &model.plan.problem.obstacles;
-    let name = match control.part {
-        Part::Obstacle(index) => obstacles.get(index).map(|one| one.name.clone()),
-        Part::Support(_) => None,
-    };
-    Parameter::Pose {
-        obstacle: name.unwrap_or_default(),
-        axis: control.axis as u8,
+    let (problem, axis) = (&model.plan.problem, control.axis as u8);
+    match control.part {
+        Part::Obstacle(index) => Parameter::Pose {
+            obstacle: problem.obstacles[index].name.clone(),
+            axis,
+        },
+        Part::Support(index) => Parameter::SupportPush {
+            support: problem.resolved.supports[index].name.clone(),
+            axis,
+        },
+    }
+}
+
+/// What a spring takes of the push of a support for each unit of its way, in the caller's units.
+fn spring(model: &Model<'_>, control: Control) -> f64 {
+    match control.part {
+        Part::Obstacle(_) => 0.0,
+        Part::Support(index) => model.plan.problem.resolved.supports[index].spring[control.axis],
     }
 }
 
 /// Which of the controls a place is.
 fn following(controls: &[Control], place: &Place) -> Option<usize> {
-    let Place::Pose(index, axis) = place else {
-        return None;
+    let (part, axis) = match place {
+        Place::Pose(index, axis) => (Part::Obstacle(*index), axis),
+        Place::Support(index, axis) => (Part::Support(*index), axis),
+        _ => return None,
     };
-    let is_it = |control: &Control| control.part == Part::Obstacle(*index) && control.axis == *axis;
+    let is_it = |control: &Control| control.part == part && control.axis == *axis;
     controls.iter().position(is_it)
 }
 

@@ -167,25 +167,12 @@ fn is_stress(key: &str) -> bool {
 
 /// Where the scene has a parameter.
 pub(super) fn place(model: &Model<'_>, parameter: &Parameter) -> Result<Place, GoalError> {
+    let named = Named { model, parameter };
     let problem = &model.plan.problem;
-    let found = |what: &'static str, place: Option<usize>| {
-        place.ok_or_else(|| GoalError::Unknown {
-            text: parameter.to_string(),
-            what,
-        })
-    };
-    let obstacle = |name: &String| {
-        let mut all = problem.obstacles.iter();
-        found("obstacle", all.position(|one| one.name == *name))
-    };
-    let pair = |name: &String| {
-        let mut all = problem.pairs.iter();
-        found("contact", all.position(|one| one.name == *name))
-    };
     Ok(match parameter {
         Parameter::Material { group, constant } => {
             let mut all = problem.scene.materials.iter();
-            let index = found("material", all.position(|one| one.group == *group))?;
+            let index = named.found("material", all.position(|one| one.group == *group))?;
             Place::Material(index, constant.clone())
         }
         Parameter::Pose {
@@ -195,36 +182,72 @@ pub(super) fn place(model: &Model<'_>, parameter: &Parameter) -> Result<Place, G
         | Parameter::Push {
             obstacle: name,
             axis,
-        } => Place::Pose(obstacle(name)?, usize::from(*axis)),
+        } => Place::Pose(named.obstacle(name)?, usize::from(*axis)),
         Parameter::Shape {
             obstacle: name,
             key,
-        } => Place::Shape(obstacle(name)?, key.clone()),
-        Parameter::Friction { obstacle: name } => Place::Friction(obstacle(name)?),
-        Parameter::Tresca { obstacle: name } => Place::Tresca(obstacle(name)?),
-        Parameter::ContactFriction { contact } => Place::PairFriction(pair(contact)?),
-        Parameter::ContactTresca { contact } => Place::PairTresca(pair(contact)?),
+        } => Place::Shape(named.obstacle(name)?, key.clone()),
+        Parameter::Friction { obstacle: name } => Place::Friction(named.obstacle(name)?),
+        Parameter::Tresca { obstacle: name } => Place::Tresca(named.obstacle(name)?),
+        Parameter::ContactFriction { contact } => Place::PairFriction(named.pair(contact)?),
+        Parameter::ContactTresca { contact } => Place::PairTresca(named.pair(contact)?),
         Parameter::Mesh => return Err(no_number(parameter)),
         Parameter::Load => Place::Load,
         Parameter::Pressure { index } => {
             let is_there = *index < problem.resolved.pressures.len();
-            Place::Pressure(found("pressure", is_there.then_some(*index))?)
+            Place::Pressure(named.found("pressure", is_there.then_some(*index))?)
         }
         Parameter::Fluid { fluid } => {
             let mut all = problem.resolved.fluids.iter();
-            Place::Fluid(found("fluid", all.position(|one| one.name == *fluid))?)
+            Place::Fluid(named.found("fluid", all.position(|one| one.name == *fluid))?)
         }
         Parameter::Traction { item, axis } => {
-            let index = found("traction", traction(model, item))?;
+            let index = named.found("traction", traction(model, item))?;
             Place::Traction(index, usize::from(*axis))
         }
         Parameter::BodyForce { axis } => Place::BodyForce(usize::from(*axis)),
-        Parameter::Support { support, axis } => {
-            let all = &problem.resolved.supports;
-            let index = found("support", all.iter().position(|one| one.name == *support))?;
+        Parameter::SupportPush {
+            support: name,
+            axis,
+        } => Place::Support(named.support(name)?, usize::from(*axis)),
+        Parameter::Support {
+            support: name,
+            axis,
+        } => {
+            let index = named.support(name)?;
             support_axis(model, parameter, (index, usize::from(*axis)))?
         }
     })
+}
+
+/// The things that a parameter names.
+struct Named<'a> {
+    model: &'a Model<'a>,
+    parameter: &'a Parameter,
+}
+
+impl Named<'_> {
+    fn found(&self, what: &'static str, place: Option<usize>) -> Result<usize, GoalError> {
+        place.ok_or_else(|| GoalError::Unknown {
+            text: self.parameter.to_string(),
+            what,
+        })
+    }
+
+    fn obstacle(&self, name: &str) -> Result<usize, GoalError> {
+        let mut all = self.model.plan.problem.obstacles.iter();
+        self.found("obstacle", all.position(|one| one.name == name))
+    }
+
+    fn support(&self, name: &str) -> Result<usize, GoalError> {
+        let mut all = self.model.plan.problem.resolved.supports.iter();
+        self.found("support", all.position(|one| one.name == name))
+    }
+
+    fn pair(&self, name: &str) -> Result<usize, GoalError> {
+        let mut all = self.model.plan.problem.pairs.iter();
+        self.found("contact", all.position(|one| one.name == name))
+    }
 }
 
 /// Number of a traction by its name or its place.

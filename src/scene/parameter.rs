@@ -98,6 +98,13 @@ pub enum Parameter {
         /// 0 to 2.
         axis: u8,
     },
+    /// A component of what a support is pushed by, whose displacement follows from it.
+    SupportPush {
+        /// The support.
+        support: String,
+        /// 0 to 2.
+        axis: u8,
+    },
     /// A component that a support prescribes.
     Support {
         /// The support.
@@ -147,9 +154,16 @@ fn parsed(text: &str) -> Option<Parameter> {
         "contact" => of_contact(rest),
         "support" => {
             let (support, last) = rest.rsplit_once('.')?;
-            Some(Parameter::Support {
-                support: support.to_owned(),
-                axis: axis(last)?,
+            let axis = axis(last)?;
+            Some(match support.strip_suffix(".force") {
+                Some(name) => Parameter::SupportPush {
+                    support: name.to_owned(),
+                    axis,
+                },
+                None => Parameter::Support {
+                    support: support.to_owned(),
+                    axis,
+                },
             })
         }
         "pressure" => Some(Parameter::Pressure {
@@ -235,6 +249,9 @@ impl fmt::Display for Parameter {
             Self::Fluid { fluid } => write!(out, "fluid.{fluid}.pressure"),
             Self::Traction { item, axis } => write!(out, "traction.{item}.{}", axis_name(*axis)),
             Self::BodyForce { axis } => write!(out, "body_force.{}", axis_name(*axis)),
+            Self::SupportPush { support, axis } => {
+                write!(out, "support.{support}.force.{}", axis_name(*axis))
+            }
             Self::Support { support, axis } => {
                 write!(out, "support.{support}.{}", axis_name(*axis))
             }
@@ -267,6 +284,7 @@ mod tests {
             "traction.side.x",
             "body_force.z",
             "support.base.x",
+            "support.base.force.x",
         ] {
             assert_eq!(
                 text.parse::<Parameter>().expect("a parameter").to_string(),

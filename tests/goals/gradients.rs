@@ -415,6 +415,38 @@ fn the_pose_of_a_pushed_ball_follows_in_all_derivatives() {
     );
 }
 
+/// The base of a block pushed against a ball at rest.
+fn pushed_base(mut problem: Problem, spring: f64) -> Problem {
+    problem.scene.obstacles.pop();
+    problem.scene.supports[0].displacement[1] = None;
+    problem.scene.supports[0].load.stiffness[1] = (spring > 0.0).then_some(spring);
+    problem.scene.probes = vec![probe("inside", [0.3, 0.7, 0.0])];
+    problem.steps[0].obstacles.clear();
+    problem.scene.supports[0].load.force[1] = Some(0.2);
+    problem
+}
+
+#[test]
+fn the_place_of_a_pushed_or_sprung_support_follows_in_all_derivatives() {
+    let set_force = |problem: &mut Problem, by: f64| {
+        if let Some(force) = &mut problem.scene.supports[0].load.force[1] {
+            *force += by;
+        }
+    };
+    for spring in [0.0, 0.7] {
+        let problem = pushed_base(pressed(2, None), spring);
+        assert_differences(
+            &problem,
+            &["displacement.inside.y", "force.ball.y", "reaction.base.x"],
+            &[
+                ("support.base.force.y", 1e-5, &set_force),
+                ("material.body.c10", 1e-5, &set_c10),
+                ("obstacle.ball.radius", 1e-5, &set_radius),
+            ],
+        );
+    }
+}
+
 #[test]
 fn rubber_about_an_axis_agrees_with_differences_of_whole_solves() {
     let mut problem = pressed(2, None);

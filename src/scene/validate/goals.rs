@@ -153,7 +153,7 @@ fn lacking(scene: &Scene, parameter: &Parameter) -> Option<&'static str> {
             let is_there = is_place || all.any(|one| one.name.as_ref() == Some(item));
             unless(is_there, "the scene has no traction of that name or place")
         }
-        Parameter::Support { support, .. } => unless(
+        Parameter::Support { support, .. } | Parameter::SupportPush { support, .. } => unless(
             scene.supports.iter().any(|one| one.name == *support),
             "the scene has no support of that name",
         ),
