@@ -18,6 +18,8 @@ from pair_newton import PairSolver
 CLOSED = 1e-8
 # What equations and laws may leave.
 SMALL = 1e-6
+# Multipliers over the largest that press.
+PRESSING = 1e-9
 
 
 def states(folder):
@@ -34,6 +36,7 @@ def rests(problem, found):
     is_rough = any("friction" in table or "tresca" in table for table in problem.contacts)
     solver = RoughSolver(problem) if is_rough else PairSolver(problem)
     before, drive, found = np.zeros(problem.body.displacements), problem.start(), iter(found)
+    solver.surface.lend(before, np.zeros(solver.surface.multipliers))
     for increments, end in problem.steps():
         start = drive
         for increment in range(1, increments + 1):
@@ -43,11 +46,14 @@ def rests(problem, found):
                 return
             u, p = state[0], state[1][: problem.body.pressures]
             u[problem.held] = drive.values
-            yield rest(solver, drive, (u, p), before if is_rough else None)
+            left, multipliers = rest(solver, drive, (u, p), before if is_rough else None)
+            yield left
             before = u
+            solver.surface.lend(u, multipliers)
 
 
 def rest(solver, drive, state, before):
+    """What a state leaves, and which multipliers press by how much."""
     u, p = state
     problem, surface, free = solver.problem, solver.surface, solver.free
     none = np.zeros(surface.multipliers)
@@ -73,8 +79,9 @@ def rest(solver, drive, state, before):
         "gap": -(gaps / np.maximum(surface.areas, 1e-300)).min(initial=0.0) / solver.length,
         "sign": -multipliers.min(initial=0.0) / largest,
     }
+    pressing = np.where(multipliers > PRESSING * largest, multipliers, 0.0)
     if before is None:
-        return left
+        return left, pressing
     tractions = none.copy()
     tractions[closed] = values[len(closed) :]
     ways = slips / np.maximum(surface.areas, 1e-300) / solver.length
@@ -85,10 +92,11 @@ def rest(solver, drive, state, before):
         "against": np.minimum(ways * np.sign(tractions), np.abs(tractions) / largest).max(initial=0.0),
     }
     if max(left.values()) <= SMALL or (solver.bound > 0.0).any():
-        return left
+        return left, pressing
     # Where least squares are not unique: some within the laws.
     found = within_laws(columns, forces, solver.coefficient[closed], ways[closed])
-    return {name: left[name] for name in ("volume", "gap")} | {"force": found / max(np.abs(forces).max(), least)}
+    left = {name: left[name] for name in ("volume", "gap")}
+    return left | {"force": found / max(np.abs(forces).max(), least)}, pressing
 
 
 def within_laws(columns, forces, coefficient, ways):

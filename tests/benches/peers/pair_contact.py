@@ -39,6 +39,7 @@ def solve(problem, parts=None, limit=np.inf):
         for increment in range(1, increments + 1):
             began = time.perf_counter()
             target = start.between(end, increment / increments)
+            state = solver.begun(state) if drive.load else state
             least = parts or (-(-RUBBER_PARTS // increments) if problem.is_rubber else 1)
             found = {"step": step, "increment": increment}
             try:

@@ -4,7 +4,8 @@
     S_j = 0 where less, else q_j = -mu Lam_j sign S_j
 
 Slips S and their start as in `pair_slip`: of a whole increment, implicit. What an increment is solved in parts for is
-a first guess only. Linear bodies have R at rest and S = R (u - u0). A multiplier is open, sticks, or slips one way.
+a first guess only. Linear bodies have R where they first touch and S = R (u - u0). A multiplier is open, sticks, or
+slips one way.
 """
 from dataclasses import dataclass, replace
 
@@ -40,17 +41,18 @@ class Slides:
     def __init__(self, pair, u, before, tractions):
         self.pair = pair
         at_rest = pair.rest is not None
-        places = pair.places(0.0 * u if at_rest else u)
-        meetings, nodes, _ = pair.volume(places)
+        places = pair.places(pair.touch if at_rest else u)
+        meetings, nodes, volume = pair.volume(places)
         pieces = meetings.pieces
-        slip = Slip(pieces, places[nodes], pair.revolved, pair.points)
         self.faces, self.nodes = pieces.face, nodes
         self.far, _ = pair.uncovered(places, meetings)
-        self.rows = self.gathered(slip.rows())
         self.turning = []
         if at_rest:
-            self.slope, self.slips = self.rows, self.rows @ (u - before)
+            self.rows = self.slope = self.gathered(volume.dragged().transpose(2, 0, 1))
+            self.slips = self.rows @ (u - before)
             return
+        slip = Slip(pieces, places[nodes], pair.revolved, pair.points)
+        self.rows = self.gathered(slip.rows())
         start = pair.places(before)[nodes]
         self.slips = pair.merge @ pair.gathered(slip.slips(start), pieces.face)
         self.slope = self.gathered(slip.slips_slopes(start))
@@ -83,6 +85,14 @@ class RoughSolver(Rounding):
         plain = super().rest()
         count = self.surface.multipliers
         return State(plain.u, plain.p, plain.multipliers, np.zeros(count), np.zeros(count, int))
+
+    def begun(self, state):
+        """The state at the start of the next increment."""
+        pressures, before = self.surface.lend(state.u, state.multipliers)
+        is_pressed = pressures > 0.0
+        tractions = self.surface.carried(before, state.tractions) * is_pressed
+        status = np.where(is_pressed, np.where(state.status == OPEN, STICK, state.status), OPEN)
+        return State(state.u, state.p, pressures, tractions, status)
 
     def slides(self, u, before, tractions):
         """Slips, R, dS and the derivative of R' q, of all contacts."""

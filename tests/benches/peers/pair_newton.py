@@ -4,6 +4,7 @@ Where surfaces touch at the start multipliers are closed, so that contact holds 
 rubber that begin inside each other are let in by less and less. Forces of a body that moves as a whole are rounded.
 """
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -40,6 +41,11 @@ class PairSolver(Rounding):
 
     weight = None
 
+    def begun(self, state):
+        """The state at the start of the next increment."""
+        pressures, _ = self.surface.lend(state.u, state.multipliers)
+        return replace(state, multipliers=pressures)
+
     def equilibrium(self, state, drive):
         for weight in (None, *WEIGHTS):
             self.weight = weight and weight * self.softest / np.maximum(self.surface.areas, 1e-300) ** 2
@@ -57,8 +63,9 @@ class PairSolver(Rounding):
 
 
 def rest(solver):
-    """The undeformed state, closed where surfaces touch."""
+    """The undeformed state, closed where surfaces touch; functions that meet next to nothing lend."""
     state, surface = solver.rest(), solver.surface
+    surface.lend(state.u, state.multipliers)
     gaps, _, _ = surface.contact(state.u, None, state.multipliers)
     state.multipliers = np.where(gaps < TOUCHING * surface.areas * solver.length, CLOSED, 0.0)
     return state

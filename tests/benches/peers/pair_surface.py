@@ -1,14 +1,17 @@
 """Multipliers between bodies: lambda = sum Lam_j psi_j on a carrier, G_j >= 0 the volume between the surfaces.
 
 Functions are L^2 and 2 La Lb at the nodes of the carrier, one a node and side of a corner of more than 30 degrees; a
-function whose node supports hold along the normals of its faces goes in equal parts to the nearest others of them.
-Linear bodies have G and dG where they are at rest; a function of which less than a thousandth has a partner has no
-row. The interface is that of `saddle_surface`, so that `saddle_newton` solves with it.
+function whose node supports hold along the normals of its faces goes in equal parts to the nearest others of them, and
+so does one that meets next to nothing (`pair_lend`): of rubber from an increment's start on, of linear bodies for good.
+Linear bodies have G and dG by their relative motion where they first touch (`pair_rest`); a function of which less than
+a thousandth has a partner has no row. The interface is that of `saddle_surface`: `saddle_newton` solves with it.
 """
 import numpy as np
 import scipy.sparse as sp
 
 from pair_gap import Volume, bernstein, gauss, point, slope
+from pair_lend import Lending
+from pair_rest import PASSES, AtRest, nearer
 from pair_search import SMOOTH, Meetings, chain
 from saddle_surface import matrix
 
@@ -28,7 +31,47 @@ class Pair:
         self.multipliers = len(self.merge)
         self.unknowns = 2 * len(mesh.nodes)
         _, self.areas = self.covered(mesh.nodes, Meetings(self.carrier, self.other, mesh.nodes).pieces)
-        self.rest = None if self.is_rubber else self.linear(mesh.nodes)
+        nodes = np.array([node for node, _ in around])
+        self.lending = Lending(self.merge, self.functions, mesh.nodes[nodes])
+        self.held = held.reshape(-1, 2)[nodes[self.lending.own]]
+        self.rest, none = None, np.zeros(self.multipliers)
+        if not self.is_rubber:
+            # Where surfaces touch by all functions tells which of them lend; then again by those that are left.
+            self.lend(self.touching(), none)
+            self.touch = self.touching()
+            gaps, coupling = self.linear(self.places(self.touch))
+            self.rest = gaps + coupling @ self.touch, coupling
+
+    def lend(self, u, pressures):
+        """Has functions lend that meet next to nothing at u; gives what multipliers carry on from `pressures`."""
+        places = self.places(u)
+        faces = np.arange(len(self.functions))
+        meetings = Meetings(self.carrier, self.other, places)
+        covered = np.zeros((len(faces), 3))
+        np.add.at(covered, meetings.pieces.face, self.lengths(places, meetings.pieces.ends, meetings.pieces.face))
+        whole = self.lengths(places, np.tile([0.0, 1.0], (len(faces), 1)), faces)
+        lending = self.lending
+        pressures = lending.carried(self.merge, pressures)
+        self.merge = lending.lent(lending.shares(covered, whole), pressures)
+        return self.kept(pressures)
+
+    def kept(self, values):
+        """Of multipliers that have a function."""
+        return np.where(self.merge.any(axis=1), values, 0.0)
+
+    def touching(self):
+        """Displacements at which the surfaces touch, the other one moved."""
+        moved = np.zeros((len(self.mesh.nodes), 2))
+        others = np.unique(self.other.nodes)
+        length = np.ptp(self.mesh.points, axis=0).max()
+        for _ in range(PASSES):
+            gaps, coupling = self.linear(self.places(moved))
+            by_motion = -coupling.reshape(self.multipliers, -1, 2)[:, others].sum(axis=1)
+            step = nearer(gaps, by_motion, self.held, np.array([self.revolved, False]), length)
+            if step is None:
+                break
+            moved[others] += step
+        return moved.ravel()
 
     def gathered(self, of_faces, faces):
         """Sums of functions from those of faces [m, 3]."""
@@ -53,12 +96,14 @@ class Pair:
         meetings = Meetings(self.carrier, self.other, places)
         pieces = meetings.pieces
         nodes = meetings.nodes(pieces.face, pieces.other)
-        return meetings, nodes, Volume(pieces, places[nodes], self.revolved, self.points)
+        kind = Volume if self.is_rubber else AtRest
+        return meetings, nodes, kind(pieces, places[nodes], self.revolved, self.points)
 
     def uncovered(self, places, meetings):
         """Which multipliers have no partner, and their gaps."""
         covered, whole = self.covered(places, meetings.pieces)
-        return covered < LEAST_COVERED * whole, meetings.reach * whole
+        areas = np.where(whole > 0.0, whole, self.areas)
+        return (covered < LEAST_COVERED * whole) | (whole <= 0.0), meetings.reach * areas
 
     def covered(self, places, pieces):
         """int psi da over what has a partner, and over all."""
@@ -67,16 +112,17 @@ class Pair:
         return [self.merge @ self.gathered(self.lengths(places, ends, face), face) for ends, face in parts]
 
     def covered_at(self, u):
-        """The same where contact is measured: a linear body at rest."""
-        places = self.places(u if self.is_rubber else 0.0 * u)
+        """The same where contact is measured: a linear body where it touches."""
+        places = self.places(u if self.is_rubber else self.touch)
         return self.covered(places, Meetings(self.carrier, self.other, places).pieces)
 
     def linear(self, places):
         """Gaps and C = -dG/du at places."""
         meetings, nodes, volume = self.volume(places)
-        gaps = self.merge @ self.gathered(volume.gaps(), meetings.pieces.face)
-        slopes = -volume.slopes().transpose(1, 2, 0)
-        entries = (self.functions[meetings.pieces.face], dofs(nodes), slopes)
+        own = volume.gaps() if self.is_rubber else volume.plain()
+        gaps = self.merge @ self.gathered(own, meetings.pieces.face)
+        slopes = volume.slopes().transpose(1, 2, 0) if self.is_rubber else volume.plain_slopes()
+        entries = (self.functions[meetings.pieces.face], dofs(nodes), -slopes)
         rows = matrix([entries], (self.merge.shape[1], self.unknowns))
         coupling = (self.merge @ rows.toarray()) if len(nodes) else np.zeros((self.multipliers, self.unknowns))
         far, open_gaps = self.uncovered(places, meetings)
@@ -124,7 +170,7 @@ class Pair:
     def least_covered(self, u, multipliers):
         """The least share with a partner of functions that press."""
         covered, whole = self.covered_at(u)
-        return float((covered / whole)[multipliers > 0.0].min(initial=1.0))
+        return float((covered / np.maximum(whole, 1e-300))[multipliers > 0.0].min(initial=1.0))
 
     def pressing(self, u, multipliers):
         """int lambda da over what has a partner."""
@@ -191,6 +237,22 @@ class Pairs:
         self.areas = np.concatenate([self.tools.areas] + [pair.areas for pair in pairs])
         # What gaps are let in by.
         self.admitted = np.zeros(self.multipliers)
+
+    def lend(self, u, multipliers):
+        """What multipliers carry on once functions lend that meet next to nothing at u, and T of before; bodies of
+        rubber."""
+        pressures, before = multipliers.copy(), [pair.merge for pair in self.pairs]
+        for pair, part in zip(self.pairs, self.own(pressures)):
+            if pair.is_rubber:
+                part[:] = pair.lend(u, part)
+        return pressures, before
+
+    def carried(self, before, values):
+        """Values of multipliers beside the pressures, from those before functions were lent."""
+        values = values.copy()
+        for pair, merge, part in zip(self.pairs, before, self.own(values)):
+            part[:] = pair.kept(pair.lending.carried(merge, part))
+        return values
 
     def own(self, values):
         return [values[a:b] for a, b in zip(self.ends[:-1], self.ends[1:])]
