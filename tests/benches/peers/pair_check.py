@@ -18,6 +18,9 @@ from pair_newton import PairSolver
 CLOSED = 1e-8
 # What equations and laws may leave.
 SMALL = 1e-6
+# How many pressures and tractions of closed contacts the state leaves open: a wall that holds the end of an interface
+# takes some whatever they are.
+UNDECIDED = "undecided"
 # Multipliers over the largest that press.
 PRESSING = 1e-9
 
@@ -66,7 +69,8 @@ def rest(solver, drive, state, before):
         slips, rows, _, _ = solver.slides(u, before, none)
         columns = np.concatenate([columns, -rows[closed][:, free].T], axis=1)
     sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-    values = np.linalg.lstsq(columns / sizes, -forces, rcond=1e-14)[0] / sizes
+    values, _, rank, _ = np.linalg.lstsq(columns / sizes, -forces, rcond=1e-14)
+    values = values / sizes
     pressed = columns @ values
     multipliers = none.copy()
     multipliers[closed] = values[: len(closed)]
@@ -78,6 +82,7 @@ def rest(solver, drive, state, before):
         "volume": np.abs(body.defects).max(initial=0.0) / solver.body.measure.max(),
         "gap": -(gaps / np.maximum(surface.areas, 1e-300)).min(initial=0.0) / solver.length,
         "sign": -multipliers.min(initial=0.0) / largest,
+        UNDECIDED: columns.shape[1] - rank,
     }
     pressing = np.where(multipliers > PRESSING * largest, multipliers, 0.0)
     if before is None:
@@ -91,11 +96,11 @@ def rest(solver, drive, state, before):
         "stuck": np.abs(np.minimum(spare / largest, np.abs(ways)) * (multipliers > 0.0)).max(initial=0.0),
         "against": np.minimum(ways * np.sign(tractions), np.abs(tractions) / largest).max(initial=0.0),
     }
-    if max(left.values()) <= SMALL or (solver.bound > 0.0).any():
+    if max(value for what, value in left.items() if what != UNDECIDED) <= SMALL or (solver.bound > 0.0).any():
         return left, pressing
     # Where least squares are not unique: some within the laws.
     found = within_laws(columns, forces, solver.coefficient[closed], ways[closed])
-    left = {name: left[name] for name in ("volume", "gap")}
+    left = {name: left[name] for name in ("volume", "gap", UNDECIDED)}
     return left | {"force": found / max(np.abs(forces).max(), least)}, pressing
 
 

@@ -5,11 +5,12 @@
 Writes scene and mesh files, solves each with `pair_contact` and by `PATH solve SCENE --json`, and compares every
 increment: forces and moments of contacts over what presses, strain energy, what friction has dissipated over that,
 largest pressures, displacements of probes over the largest of them. Verdicts: agree; tolerance (agrees at 1e-14, or
-ends at 1e-11 and agrees at 1e-8: moduli far apart); disagree; failed (this code has an equilibrium, Signorini none);
-verified (this code has none within its time, Signorini's states leave less than --near in its equations: `pair_check`,
-which needs meshio); peer-failed; both-failed; ended (Signorini, with --check). `covered`: the least share of a pressing
-function that has a partner. Prints one line a scene that does not agree and a table by kinds; writes family.csv and the
-records of both, SCENE.peer.json and SCENE.own.json.
+ends at 1e-11 and agrees at 1e-8: moduli far apart); undecided (states agree, and pressures and tractions that exert
+nothing on what is free may be added to those of either); disagree; failed (this code has an equilibrium, Signorini
+none); verified (this code has none within its time, Signorini's states leave less than --near in its equations:
+`pair_check`, which needs meshio); peer-failed; both-failed; ended (Signorini, with --check). `covered`: the least share
+of a pressing function that has a partner. Prints one line a scene that does not agree and a table by kinds; writes
+family.csv and the records of both, SCENE.peer.json and SCENE.own.json.
 """
 import argparse
 import csv
@@ -37,6 +38,8 @@ LOOSE = 1e-4
 # Difference up to which a sharper tolerance is tried.
 SHARPER = 1e-3
 WHAT = ("force", "moment", "energy", "pressure", "probe", "dissipated")
+# What displacements and pressures of the bodies tell.
+STATE = ("energy", "probe", "dissipated")
 
 # Least scales, for bodies that do not meet: the softest one has a shear modulus of 1e-6 at least. That of energies is
 # times the stiffest modulus: rounding of its part.
@@ -109,8 +112,8 @@ def differences(mine, theirs, scales, axes):
     return {what: value / scales[what] for what, value in found.items()}
 
 
-def judge(mine, theirs, given, draft):
-    """The verdict of a scene, the largest differences, and where it is decided."""
+def judge(mine, theirs, given, draft, what=WHAT):
+    """The verdict of a scene by `what`, the largest differences, and where it is decided."""
     if not mine:
         failed = not theirs or any(step["termination"] != "converged" for step in theirs)
         cause = str(theirs[-1].get("cause")) if theirs else "no result"
@@ -126,15 +129,16 @@ def judge(mine, theirs, given, draft):
         if failed:
             return "failed", worst, f"{where} {other and other.get('cause')}"
         apart = differences(own, other, scales, [1] if draft.revolved else [0, 1])
-        worst = {what: max(worst[what], apart[what]) for what in WHAT}
-        if max(worst.values()) > near:
+        worst = {name: max(worst[name], apart[name]) for name in WHAT}
+        if max(worst[name] for name in what) > near:
             return "disagree", worst, f"{where} {own_path(theirs[: number + 1])}"
     return "agree", worst, ""
 
 
 def compare(scene, mine, given, draft):
     """The verdict, with another tolerance where that may be the cause."""
-    first = judge(mine, signorini(scene, given), given, draft)
+    theirs = signorini(scene, given)
+    first = judge(mine, theirs, given, draft)
     if first[0] in ("peer-failed", "skipped"):
         left = checked(scene)
         largest = max(left.values(), default=np.inf)
@@ -144,6 +148,8 @@ def compare(scene, mine, given, draft):
         if largest > SHARPER:
             return first
         other = "1e-14"
+    elif first[0] == "disagree" and (same := undecided(scene, mine, theirs, (given, draft))):
+        return same
     elif first[0] == "disagree" and max(first[1].values()) < SHARPER:
         other = "1e-14"
     elif first[0] in ("failed", "ended"):
@@ -159,6 +165,19 @@ def compare(scene, mine, given, draft):
 
 def checked(scene):
     """The most that the equations leave of the binary's states."""
+    worst = left_by(scene)
+    worst.pop(pair_check.UNDECIDED, None)
+    return worst
+
+
+def undecided(scene, mine, theirs, drawn):
+    """That verdict, where states agree that do not say how much each multiplier bears."""
+    same = judge(mine, theirs, *drawn, STATE)
+    is_open = same[0] == "agree" and left_by(scene).get(pair_check.UNDECIDED, 0.0) > 0.0
+    return ("undecided", *same[1:]) if is_open else None
+
+
+def left_by(scene):
     with np.errstate(all="ignore"):
         found = list(pair_check.rests(PairProblem(scene), pair_check.states(scene.with_suffix(".out"))))
     worst = {}
@@ -204,7 +223,7 @@ def main():
         row["covered"] = round(min([1.0, *covered(mine)]), 4)
         rows.append(row | {what: f"{value:.1e}" for what, value in worst.items()} | {"seconds": seconds})
         shutil.rmtree(scene.with_suffix(".out"), ignore_errors=True)
-        if verdict not in ("agree", "verified"):
+        if verdict not in ("agree", "verified", "undecided"):
             print(*rows[-1].values(), flush=True)
     report(given, rows)
 
