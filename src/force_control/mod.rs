@@ -308,7 +308,8 @@ impl Balance {
             support_pushes: self.drive.support_pushes.clone(),
             ..run.state.drive.clone()
         };
-        now == self.drive
+        let plan = run.model.plan;
+        now.felt_by(plan) == self.drive.felt_by(plan)
     }
 
     /// Whether the state is in equilibrium at its poses, which one that comes from a coarser mesh is not: its

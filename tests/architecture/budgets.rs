@@ -18,7 +18,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("diagnosis", 554, 10),
     ("element", 735, 2),
     ("fluid", 649, 0),
-    ("force_control", 1270, 33),
+    ("force_control", 1320, 33),
     ("geometry", 497, 1),
     ("goals", 3200, 14),
     ("inequality", 5393, 52),

@@ -16,6 +16,7 @@ mod mirrors;
 mod objectivity;
 mod patches;
 mod pinched;
+mod pushed;
 mod refusals;
 mod rings;
 mod scenes;
