@@ -24,7 +24,8 @@
 //! are, with the |t_f|. What edges make is taken in the middle of what it is with and without signs: both ends of a
 //! punch make errors of either sign. The factor and the middle are measured, with `tests/benches/goals/bounds.py`: recovered
 //! gradients see some four fifths of the error on uniform meshes, and more than it on graded ones. No
-//! guarantee. The edges of contacts between bodies are left out.
+//! guarantee. The edges of contacts between bodies are left out. A fluid ends somewhere on the facets that
+//! its front crosses: there the bound has what y does with its pressure, on the wet part or on the dry one.
 //!
 //! The energy is quadratic in the errors, and the y that is recovered that of dJ/dx at x, not at x_h:
 //! half of S(e_x, e_x) is taken off. Where a body is led by displacements alone y is zero, and that is
@@ -37,6 +38,7 @@ use super::freed::Freed;
 use crate::assembly::recovery::{CellProducts, Recovery, cell_products};
 use crate::contact::{Closing, closing};
 use crate::model::Model;
+use crate::model::fluids::front_works;
 use crate::model::interfaces::Interface;
 use crate::model::state::State;
 use crate::report::GoalBound;
@@ -59,8 +61,14 @@ pub(super) fn bound(model: &Model<'_>, state: &State, dual: &Freed<'_>) -> GoalB
         edge += own;
         edge_sizes += own.abs();
     }
+    let mut front = 0.0;
+    for (cell, own) in front_works(model, state, &smooth) {
+        cells[cell] += own;
+        front += own;
+    }
     let inside: f64 = products.iter().map(|one| one.whole).sum();
-    let total = FACTOR * around_vertices(model, &products) + 0.5 * (edge.abs() + edge_sizes);
+    let total =
+        FACTOR * around_vertices(model, &products) + 0.5 * (edge.abs() + edge_sizes) + front;
     share_out(total * unit, &mut cells);
     GoalBound {
         estimate: (inside + edge) * unit,

@@ -93,6 +93,49 @@ pub(crate) fn fluid_load(model: &Model<'_>, state: &State, index: usize) -> ([f6
     (force, follower_sum(&body, &wet))
 }
 
+/// What the motion `y` `[displacement]` does with the pressures of fluids on each facet that a front
+/// crosses: with what presses there or what does not yet, whichever is more; with its cell.
+pub(crate) fn front_works(model: &Model<'_>, state: &State, y: &[f64]) -> Vec<(usize, f64)> {
+    let problem = &model.plan.problem;
+    let mut works = Vec::new();
+    for (index, wet) in nodal_pressures(model, state) {
+        let surface = &problem.fluid_surfaces[index];
+        let mut all = wet.clone();
+        let pressure = state.drive.fluids[index].pressure / problem.units.stress;
+        (surface.nodes.iter()).for_each(|&node| all[node as usize] = pressure);
+        let facets = problem.resolved.fluids[index].facets.iter();
+        let crossed = facets.zip(&surface.facets).filter(|(_, nodes)| {
+            let mut own = nodes.iter().map(|&place| state.wet[index][place as usize]);
+            let first = own.next();
+            own.any(|other| Some(other) != first)
+        });
+        for (&facet, _) in crossed {
+            let [pressed, whole] =
+                [&wet, &all].map(|nodal| work_on(model, state, (facet, nodal), y));
+            let cell = model.mesh.facet_cell(facet as usize).0;
+            works.push((cell, pressed.abs().max((whole - pressed).abs())));
+        }
+    }
+    works
+}
+
+/// What `y` does with pressures at nodes on one facet.
+fn work_on(model: &Model<'_>, state: &State, (facet, nodal): (u32, &[f64]), y: &[f64]) -> f64 {
+    let space = &model.prepared.space;
+    let c = space.components;
+    let mut load = vec![0.0; y.len()];
+    let one = FollowerPressure {
+        facets: &[facet],
+        pressure: PressureValues::Nodes(nodal),
+    };
+    add_follower_load(&pressed(model, moved(model, state)), &[one], &mut load);
+    let nodes = space.facet_nodes(model.mesh.facet(facet as usize));
+    let entries = nodes
+        .iter()
+        .flat_map(|&node| node as usize * c..(node as usize + 1) * c);
+    entries.map(|entry| load[entry] * y[entry]).sum()
+}
+
 /// What the fluids take off the stiffness at a state; none where none follows the body.
 pub(crate) fn fluid_tangent(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     let prepared = &model.prepared;

@@ -2,6 +2,8 @@
 //! of whole solves, the fluid's own pressure among the parameters.
 
 use crate::common::assert_converged;
+use crate::common::meshes::{mesh, square};
+use crate::common::scenes::{obstacle, plane, push};
 use crate::gradients::{Change, Problem, assert_differences, linear, pressed, set_c10, set_height};
 use signorini::report::{StepReport, Tightness};
 use signorini::scene::{Fluid, GoalErrors, GoalQuestions, MaterialModel, Modulus};
@@ -91,4 +93,37 @@ fn goals_beside_fluids_are_the_numbers_of_the_report_with_a_bound() {
         bound > 1e-4 * force.abs() && bound < 0.5 * force.abs(),
         "{bound}"
     );
+}
+
+/// A plate covers the lid of a block that water wets from one side up to the edge of the lid: the function
+/// of that edge presses under the plate, too.
+#[test]
+fn where_a_front_ends_is_in_the_bound() {
+    let solved = |count: usize| {
+        let mut problem = wet(linear(2, 0.3));
+        problem.mesh = mesh(square(count));
+        problem.scene.tractions.clear();
+        problem.scene.obstacles = vec![obstacle(
+            "ball",
+            "y1",
+            plane([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]),
+        )];
+        problem.steps = vec![push("ball", [0.0, -0.05, 0.0])];
+        problem.scene.questions = vec![GoalQuestions {
+            goals: vec!["force.ball.y".parse().expect("a goal")],
+            parameters: Vec::new(),
+            errors: GoalErrors::Bounded,
+        }];
+        let goal = last(&problem).goals.remove(0);
+        (goal.value, goal.bound.expect("a bound").total())
+    };
+    let (exact, _) = solved(32);
+    for count in [4, 8] {
+        let (value, bound) = solved(count);
+        let error = (value - exact).abs();
+        assert!(
+            error <= bound && bound < 10.0 * error,
+            "{count}: {error:e} {bound:e}"
+        );
+    }
 }
