@@ -35,6 +35,7 @@
 //! | [`sliding`] | slips of a surface of multipliers |
 //! | `touching` | where linear bodies touch |
 //! | [`probing`] | what is told of points |
+//! | [`opposite`] | nodes of the other surface on the carrier |
 //!
 //! References: M. Puso and T. Laursen, *A mortar segment-to-segment contact method for large
 //! deformation solid mechanics* (2004); A. Popp, M. Gitterle, M. Gee and W. Wall, *A dual mortar
@@ -47,6 +48,7 @@ pub mod fold;
 pub mod force;
 mod ground;
 pub mod number;
+pub mod opposite;
 pub mod pair;
 pub mod piece;
 mod plane;
