@@ -217,6 +217,7 @@
 #![doc = include_str!("decisions/0070-ties-by-multipliers.md")]
 #![doc = include_str!("decisions/0071-meshes-by-goals.md")]
 #![doc = include_str!("decisions/0072-one-surface-that-folds.md")]
+#![doc = include_str!("decisions/0073-one-film-between-bodies.md")]
 
 #[macro_use]
 mod constants;

@@ -46,18 +46,21 @@ pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
 }
 
 /// Does `act` with every fluid that has a pressure under `drive`: its number, what it meets, and
-/// the nodes that it wets.
+/// the nodes that it wets; `act` says whether any has changed.
 fn with_fronts(
     (model, state): (&Model<'_>, &mut State),
     drive: &Drive,
-    act: &mut dyn FnMut(usize, &Front<'_>, &mut [bool]),
+    act: &mut dyn FnMut(usize, &Front<'_>, &mut [bool]) -> bool,
 ) {
     let problem = &model.plan.problem;
     let pressing = (0..problem.fluid_surfaces.len()).filter(|&k| drive.fluids[k].pressure > 0.0);
     for index in pressing {
         let met = Met::at(model, state, index);
         let front = met.front(model.plan, index, drive);
-        act(index, &front, &mut state.wet[index]);
+        let has_changed = act(index, &front, &mut state.wet[index]);
+        if let Some(film) = state.film.get_mut(index).filter(|_| has_changed) {
+            *film = front.film(&state.wet[index]);
+        }
     }
 }
 
@@ -68,17 +71,22 @@ fn advance(model: &Model<'_>, state: &mut State, drive: &Drive) -> Advance {
         let own = front.advance(wet);
         all.flooded += own.flooded;
         all.entered += own.entered;
+        all.followed += own.followed;
+        own != Advance::default()
     });
     all
 }
 
-/// Dries what is pressed on all sides, of fluids whose film does not stay.
+/// Dries what is pressed on all sides, of fluids whose film does not stay, and what has left a wet
+/// part of another body; wets what has come to one.
 fn squeeze(model: &Model<'_>, state: &mut State, drive: &Drive) {
     let fluids = &model.plan.problem.resolved.fluids;
     with_fronts((model, state), drive, &mut |index, front, wet| {
         if fluids[index].film == Film::SqueezedOut {
             front.squeeze(wet);
         }
+        front.settle(wet);
+        true
     });
 }
 

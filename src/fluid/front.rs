@@ -1,14 +1,17 @@
 //! How a fluid advances over its surface at one equilibrium. Shapes `[nodes of the surface]`;
 //! pressures in one unit. Cost: a pass over the surface.
 
+use super::across::{Across, film, follow, settle};
 use super::leak_path::Barrier;
 use super::surface::FluidSurface;
 
 /// What a fluid meets at an equilibrium.
 #[derive(Clone, Copy, Debug)]
 pub struct Front<'a> {
-    /// The surface.
+    /// The surface, its parts joined by what lies across.
     pub surface: &'a FluidSurface,
+    /// What lies across contacts between bodies.
+    pub across: &'a [Across],
     /// Nodes that the fluid must not reach.
     pub dry: &'a [bool],
     /// Coefficients of the contact pressure at its nodes, what the fluid bears left out.
@@ -26,6 +29,8 @@ pub struct Advance {
     pub flooded: usize,
     /// Pressed ones.
     pub entered: usize,
+    /// Pressed ones that lie on wet ones of another body.
+    pub followed: usize,
 }
 
 impl Front<'_> {
@@ -55,13 +60,28 @@ impl Front<'_> {
     /// nodes do that are pressed by less than the threshold: the fluid lifts what it enters, so that
     /// what lies beside that is pressed less, not more.
     pub fn advance(&self, wet: &mut [bool]) -> Advance {
+        let followed = follow(self.across, wet);
         let flooded = self.spread(wet, |place| self.is_open(place));
         let is_weak = |place: usize| self.total[place] < self.threshold;
-        let entered = match flooded {
+        let entered = match followed + flooded {
             0 => self.spread(wet, is_weak),
             _ => 0,
         };
-        Advance { flooded, entered }
+        Advance {
+            flooded,
+            entered,
+            followed,
+        }
+    }
+
+    /// Has what lies pressed on another body be wet as far as that is.
+    pub fn settle(&self, wet: &mut [bool]) {
+        settle(self.across, &self.surface.sources, wet);
+    }
+
+    /// Share of its pressure at the nodes where it is `wet`.
+    pub fn film(&self, wet: &[bool]) -> Vec<f64> {
+        film(self.across, &self.surface.sources, wet)
     }
 
     /// The pressure that it must exceed to leak, and the place of the node that holds it last; none
@@ -136,6 +156,7 @@ mod tests {
     fn of_unit_pressure<'a>(surface: &'a FluidSurface, contact: &'a [f64]) -> Front<'a> {
         Front {
             surface,
+            across: &[],
             dry: &surface.dry,
             contact,
             total: contact,

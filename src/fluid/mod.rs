@@ -25,14 +25,19 @@
 //! |---|---|
 //! | [`surface`] | nodes, who is beside whom, what is wet at first and what shall stay dry |
 //! | [`front`] | how the fluid advances |
+//! | [`across`] | what lies across contacts between bodies |
 //! | [`leak_path`] | the path from wet to dry on which it leaks first |
 //! | [`flow`] | how much flows through what is open |
+//!
+//! Where bodies touch, the surface has a part of each, and W is that of the part that carries the
+//! contact pressure: of the other one those nodes are wet that lie on what is.
 //!
 //! Neighbours are joined by the edges of the parts into which the midpoints divide a facet.
 //! Reference for the lower bound on the traction: contact with pressure penetration as commercial
 //! programs have it; for the affine sealing pressure V. A. Yastrebov, A. Shvarts, arXiv 1712.06312.
 //! Cost: sorts of the surface's nodes.
 
+pub mod across;
 pub mod flow;
 pub mod front;
 pub mod leak_path;

@@ -68,7 +68,7 @@ impl FluidSurface {
             let is_chosen = |node: &u32| chosen.binary_search(node).is_ok();
             nodes.iter().map(is_chosen).collect()
         };
-        let (starts, neighbours) = graph(nodes.len(), &facets);
+        let (starts, neighbours) = graph(nodes.len(), pairs(&facets));
         Self {
             sources: is_among(reach.from),
             dry: is_among(reach.dry),
@@ -83,6 +83,17 @@ impl FluidSurface {
     pub fn beside(&self, place: usize) -> impl Iterator<Item = usize> + '_ {
         let own = self.starts[place] as usize..self.starts[place + 1] as usize;
         self.neighbours[own].iter().map(|&other| other as usize)
+    }
+
+    /// The same where just the nodes of these pairs, by their places, are beside each other.
+    pub fn with_neighbours(&self, pairs: impl Iterator<Item = [usize; 2]>) -> Self {
+        let pairs = pairs.map(|pair| pair.map(|place| place as u32)).collect();
+        let (starts, neighbours) = graph(self.nodes.len(), pairs);
+        Self {
+            starts,
+            neighbours,
+            ..self.clone()
+        }
     }
 
     /// The first wet node, by its place, that must stay `dry`.
@@ -121,8 +132,8 @@ fn sorted(mut nodes: Vec<u32>) -> Vec<u32> {
     nodes
 }
 
-/// Starts and neighbours of every node.
-fn graph(nodes: usize, facets: &[Vec<u32>]) -> (Vec<u32>, Vec<u32>) {
+/// Nodes that are beside each other on facets, either way.
+fn pairs(facets: &[Vec<u32>]) -> Vec<[u32; 2]> {
     let mut pairs: Vec<[u32; 2]> = Vec::new();
     for own in facets {
         let sides = if own.len() == 3 { SEGMENT } else { TRIANGLE };
@@ -131,6 +142,11 @@ fn graph(nodes: usize, facets: &[Vec<u32>]) -> (Vec<u32>, Vec<u32>) {
             pairs.extend([[a, b], [b, a]]);
         }
     }
+    pairs
+}
+
+/// Starts and neighbours of every node.
+fn graph(nodes: usize, mut pairs: Vec<[u32; 2]>) -> (Vec<u32>, Vec<u32>) {
     pairs.sort_unstable();
     pairs.dedup();
     let start = |node: usize| pairs.partition_point(|pair| (pair[0] as usize) < node) as u32;

@@ -6,19 +6,23 @@
 //!
 //! over the deformed faces for bodies of finite strain, over the undeformed ones for linear bodies;
 //! psi quadratic Bernstein functions, so that w falls from one to zero within the facets of the
-//! front. The contact pressures of the state are what obstacles press beyond the fluid. All is
+//! front. The contact pressures of the state are what obstacles and bodies press beyond the fluid. All is
 //! non-dimensional. Cost: that of [`crate::assembly::follower`] on the facets that are wet; nothing
 //! without fluids.
 
+use std::borrow::Cow;
+
 use super::Model;
 use super::drive::Drive;
-use super::interfaces::Interface;
+use super::nodal_contact::NodalContact;
 use super::pressures::pressed;
 use super::state::State;
 use crate::assembly::follower::{
     FollowerPressure, PressureValues, add_follower_load, follower_sum, follower_tangent,
 };
+use crate::fluid::across::{Across, joined};
 use crate::fluid::front::Front;
+use crate::fluid::surface::FluidSurface;
 use crate::linalg::SparseRows;
 use crate::plan::Plan;
 
@@ -39,8 +43,8 @@ fn nodal_pressures(model: &Model<'_>, state: &State) -> Vec<(usize, Vec<f64>)> {
 fn at_wet_nodes(model: &Model<'_>, state: &State, index: usize, value: f64) -> Vec<f64> {
     let mut all = vec![0.0; model.prepared.space.nodes()];
     let nodes = model.plan.problem.fluid_surfaces[index].nodes.iter();
-    for (&node, _) in nodes.zip(&state.wet[index]).filter(|(_, wet)| **wet) {
-        all[node as usize] = value;
+    for (&node, share) in nodes.zip(state.share_of_fluid(index)) {
+        all[node as usize] = value * share;
     }
     all
 }
@@ -157,50 +161,9 @@ pub(crate) fn wetted_tangent(
     })
 }
 
-/// Coefficients of the contact pressure of all obstacles at the displacement nodes `[nodes]`, by
-/// quadratic Bernstein functions; where a node has several functions of one obstacle, on the sides
-/// of an edge, the largest.
-pub(crate) fn contact_coefficients(model: &Model<'_>, state: &State) -> Vec<f64> {
-    let mut sum = vec![0.0; model.prepared.space.nodes()];
-    let contacts = model.interfaces.list.iter();
-    for interface in contacts.filter(|interface| interface.is_contact()) {
-        let own = coefficients_of(model, state, interface);
-        sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-    }
-    sum
-}
-
-/// Those of one obstacle.
-pub(crate) fn coefficients_of(model: &Model<'_>, state: &State, interface: &Interface) -> Vec<f64> {
-    let own = interface.coefficients(&state.multiplier);
-    let mut at_nodes = vec![0.0_f64; model.prepared.space.nodes()];
-    for face in &interface.surface.faces {
-        let values: Vec<f64> = face.functions.iter().map(|&k| own[k as usize]).collect();
-        let values = elevated(values, face.corners.len());
-        for (&node, value) in face.nodes.iter().zip(values) {
-            let known = &mut at_nodes[node as usize];
-            *known = known.max(value);
-        }
-    }
-    at_nodes
-}
-
-/// Quadratic Bernstein coefficients of a face from its own ones; hats have the mean of their ends on
-/// edges.
-fn elevated(mut values: Vec<f64>, corners: usize) -> Vec<f64> {
-    if values.len() == corners {
-        for a in 0..corners {
-            for b in a + 1..corners {
-                values.push(0.5 * (values[a] + values[b]));
-            }
-        }
-    }
-    values
-}
-
-/// Contact pressure of all obstacles over all that a fluid can reach, in the mean, non-dimensional.
+/// Contact pressure of all obstacles and bodies over all that a fluid can reach, in the mean, non-dimensional.
 pub(crate) fn mean_contact(model: &Model<'_>, state: &State, index: usize) -> f64 {
-    let contact = contact_coefficients(model, state);
+    let contact = NodalContact::at(model, state).pressure;
     let body = pressed(model, moved(model, state));
     let sum = |nodal: Vec<f64>| follower_sum(&body, &follower(model, &[(index, nodal)]));
     let ones = vec![1.0; contact.len()];
@@ -225,7 +188,10 @@ pub(crate) fn barred(model: &Model<'_>, state: &State, index: usize) -> Vec<bool
 }
 
 /// What fluid `index` finds on its surface `[nodes of the surface]`, non-dimensional.
-pub(crate) struct Met {
+pub(crate) struct Met<'a> {
+    /// The surface, its parts joined by what lies across.
+    surface: Cow<'a, FluidSurface>,
+    across: Vec<Across>,
     /// Coefficients of the contact pressure, what the fluid bears left out.
     pub(crate) contact: Vec<f64>,
     /// Pressure of contact and fluid together at the nodes.
@@ -234,17 +200,21 @@ pub(crate) struct Met {
     pub(crate) dry: Vec<bool>,
 }
 
-impl Met {
+impl<'a> Met<'a> {
     /// At the state.
-    pub(crate) fn at(model: &Model<'_>, state: &State, index: usize) -> Self {
+    pub(crate) fn at(model: &Model<'a>, state: &State, index: usize) -> Self {
         let surface = &model.plan.problem.fluid_surfaces[index];
         let fluid = state.drive.fluids[index].pressure / model.plan.problem.units.stress;
-        let contact = surface.own(&contact_coefficients(model, state));
-        let pairs = contact.iter().zip(&state.wet[index]);
-        let sums = pairs.map(|(contact, &wet)| contact + f64::from(wet) * fluid);
+        let met = NodalContact::at(model, state);
+        let contact = surface.own(&met.pressure);
+        let pairs = contact.iter().zip(state.share_of_fluid(index));
+        let sums = pairs.map(|(contact, share)| contact + share * fluid);
         let total = surface.values(&sums.collect::<Vec<_>>());
         let dry = barred(model, state, index);
+        let across = met.across(surface);
         Self {
+            surface: joined(surface, &across),
+            across,
             contact,
             total,
             dry,
@@ -252,12 +222,13 @@ impl Met {
     }
 
     /// The front of fluid `index` there, under `drive`.
-    pub(crate) fn front<'a>(&'a self, plan: &'a Plan, index: usize, drive: &Drive) -> Front<'a> {
+    pub(crate) fn front<'b>(&'b self, plan: &Plan, index: usize, drive: &Drive) -> Front<'b> {
         let problem = &plan.problem;
         let pressure = drive.fluids[index].pressure;
         let threshold = problem.resolved.fluids[index].threshold.unwrap_or(pressure);
         Front {
-            surface: &problem.fluid_surfaces[index],
+            surface: &self.surface,
+            across: &self.across,
             dry: &self.dry,
             contact: &self.contact,
             total: &self.total,

@@ -28,6 +28,7 @@ pub(crate) mod joined;
 pub(crate) mod lending;
 pub(crate) mod loads;
 pub(crate) mod mean_pressure;
+pub(crate) mod nodal_contact;
 pub(crate) mod open_gap;
 pub(crate) mod placed;
 pub(crate) mod prescribed;

@@ -5,7 +5,7 @@
 //! a distance a node and obstacle, and one sparse factor.
 
 use super::Model;
-use super::fluids::contact_coefficients;
+use super::nodal_contact::NodalContact;
 use super::state::State;
 use crate::fluid::flow::{Breadth, OpenGap};
 use crate::obstacle::Obstacle;
@@ -69,7 +69,7 @@ fn gaps(model: &Model<'_>, state: &State, index: usize, places: &[[f64; 3]]) -> 
             gaps[place] = gaps[place].min(distance.max(0.0));
         }
     }
-    let contact = surface.own(&contact_coefficients(model, state));
+    let contact = surface.own(&NodalContact::at(model, state).pressure);
     let pressed = gaps
         .iter_mut()
         .zip(contact)

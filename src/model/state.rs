@@ -39,6 +39,9 @@ pub(crate) struct State {
     /// Whether each node of the surface of each fluid is wet `[fluids][nodes of the surface]`; empty
     /// without fluids.
     pub(crate) wet: Vec<Vec<bool>>,
+    /// Share of each fluid's pressure at its nodes `[fluids][nodes of the surface]`, as it is wet but between
+    /// bodies; empty without contact between bodies.
+    pub(crate) film: Vec<Vec<f64>>,
     /// What multipliers have to press on `[multipliers]`, of contacts between bodies of finite strain
     /// where some lend their functions to others; empty elsewhere.
     pub(crate) supports: Vec<Support>,
@@ -108,6 +111,16 @@ impl SlipState {
     }
 }
 
+/// Sources alone.
+fn film_at_rest(plan: &Plan) -> Vec<Vec<f64>> {
+    if plan.problem.pairs.is_empty() {
+        return Vec::new();
+    }
+    let surfaces = plan.problem.fluid_surfaces.iter();
+    let of_sources = surfaces.map(|one| one.sources.iter().copied().map(f64::from).collect());
+    of_sources.collect()
+}
+
 impl State {
     /// At rest, with nothing driving the body.
     pub(crate) fn undeformed(plan: &Plan) -> Self {
@@ -133,6 +146,7 @@ impl State {
                 .iter()
                 .map(|surface| surface.sources.clone())
                 .collect(),
+            film: film_at_rest(plan),
             supports: Vec::new(),
             surface_load: None,
         }
@@ -146,6 +160,15 @@ impl State {
         } else {
             cells.clone()
         })
+    }
+
+    /// Share of the pressure of one fluid at the nodes of its surface.
+    pub(crate) fn share_of_fluid(&self, index: usize) -> Vec<f64> {
+        match (self.film.get(index), self.wet.get(index)) {
+            (Some(film), _) => film.clone(),
+            (None, Some(wet)) => wet.iter().copied().map(f64::from).collect(),
+            (None, None) => Vec::new(),
+        }
     }
 
     /// Whether a multiplier lends its function to others.
@@ -177,7 +200,8 @@ impl State {
             .map_or(0, |moved| moved.load.len());
         let numbers = numbers + load + 2 * self.slip.travel.len() + 2 * self.slip.total.len();
         let wet: usize = self.wet.iter().map(Vec::len).sum();
-        (8 * numbers + self.status.len() + wet) as u64 + self.drive.given.bytes()
+        let film: usize = self.film.iter().map(Vec::len).sum();
+        (8 * (numbers + film) + self.status.len() + wet) as u64 + self.drive.given.bytes()
     }
 }
 

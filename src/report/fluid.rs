@@ -39,7 +39,8 @@ pub struct FluidResult {
     pub force: [f64; 3],
     /// The path on which it leaks first; none where nothing must stay dry, or it cannot get there.
     pub leak_path: Option<LeakPathResult>,
-    /// The same for paths that pass one obstacle alone, by its name.
+    /// The same for paths that pass one obstacle or lead through one contact between bodies alone,
+    /// by its name.
     pub leak_paths: BTreeMap<String, LeakPathResult>,
     /// Solutions of the increment between which fluids have advanced.
     pub rounds: u32,

@@ -1,6 +1,6 @@
 //! What fluids do to the body at a state, and the paths on which they leak first.
 //!
-//! The pressure between body and obstacles at a node is that of contact and fluid together,
+//! The pressure between a body and what touches it at a node is that of contact and fluid together,
 //!
 //! ```text
 //! t = sum over nodes of (l_j + q [j is wet]) psi_j
@@ -8,14 +8,17 @@
 //!
 //! in the caller's units. Cost: two sorts of the surface's nodes an obstacle.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use crate::fluid::across::joined;
 use crate::fluid::leak_path::{Barrier, LeakPath};
 use crate::fluid::surface::FluidSurface;
 use crate::geometry::vector3::{norm, scale, sub};
 use crate::model::Model;
 use crate::model::ending::Ending;
-use crate::model::fluids::{barred, coefficients_of, fluid_load};
+use crate::model::fluids::{barred, fluid_load};
+use crate::model::nodal_contact::{NodalContact, OneContact, contacts};
 use crate::model::open_gap;
 use crate::model::state::State;
 use crate::report::{FluidResult, LeakPathResult, Tightness};
@@ -32,8 +35,9 @@ pub(crate) fn results(
         return BTreeMap::new();
     }
     let contacts = contacts(model, state);
+    let across = NodalContact::of(model, &contacts);
     let all = fluids.iter().enumerate().map(|(index, fluid)| {
-        let one = One::new(model, state, index, &contacts);
+        let one = One::new((model, state), index, (&contacts, &across));
         let leak = ending.leak.filter(|leak| leak.fluid == index);
         let units = &model.plan.problem.units;
         let (force, area) = fluid_load(model, state, index);
@@ -60,24 +64,6 @@ pub(crate) fn results(
     all.collect()
 }
 
-/// Contact pressures of one obstacle.
-struct ContactAt<'a> {
-    name: &'a str,
-    /// Coefficients at the displacement nodes, the caller's stress `[nodes]`.
-    coefficients: Vec<f64>,
-}
-
-fn contacts<'a>(model: &Model<'a>, state: &State) -> Vec<ContactAt<'a>> {
-    let stress = model.plan.problem.units.stress;
-    let interfaces = model.interfaces.list.iter();
-    let contacts = interfaces.filter(|one| one.is_contact());
-    let all = contacts.map(|interface| ContactAt {
-        name: &interface.name,
-        coefficients: scaled(coefficients_of(model, state, interface), stress),
-    });
-    all.collect()
-}
-
 fn scaled(mut values: Vec<f64>, factor: f64) -> Vec<f64> {
     values.iter_mut().for_each(|value| *value *= factor);
     values
@@ -85,13 +71,14 @@ fn scaled(mut values: Vec<f64>, factor: f64) -> Vec<f64> {
 
 /// One fluid on its surface; vectors `[nodes of the surface]` in the caller's units.
 struct One<'a> {
-    surface: &'a FluidSurface,
+    /// Its parts joined by what lies across.
+    surface: Cow<'a, FluidSurface>,
     wet: &'a [bool],
     /// Nodes that it must not reach.
     dry: Vec<bool>,
     /// Of the fluid.
     pressure: f64,
-    /// Obstacles, each with its contact pressure at the nodes.
+    /// Obstacles and bodies, each with its contact pressure at the nodes.
     contacts: Vec<(&'a str, Vec<f64>)>,
     /// Of contact and fluid together, at the nodes.
     total: Vec<f64>,
@@ -101,17 +88,18 @@ struct One<'a> {
 
 impl<'a> One<'a> {
     fn new(
-        model: &Model<'a>,
-        state: &'a State,
+        (model, state): (&Model<'a>, &'a State),
         index: usize,
-        contacts: &'a [ContactAt<'a>],
+        (contacts, across): (&'a [OneContact<'a>], &NodalContact),
     ) -> Self {
+        let units = &model.plan.problem.units;
         let surface = &model.plan.problem.fluid_surfaces[index];
         let wet = &state.wet[index];
         let pressure = state.drive.fluids[index].pressure;
-        let mut total: Vec<f64> = wet.iter().map(|&wet| f64::from(wet) * pressure).collect();
+        let shares = state.share_of_fluid(index).into_iter();
+        let mut total: Vec<f64> = shares.map(|share| share * pressure).collect();
         let own = contacts.iter().map(|contact| {
-            let own = surface.own(&contact.coefficients);
+            let own = scaled(surface.own(&contact.pressure), units.stress);
             total
                 .iter_mut()
                 .zip(&own)
@@ -119,12 +107,11 @@ impl<'a> One<'a> {
             (contact.name, surface.values(&own))
         });
         let contacts = own.collect();
-        let length = model.plan.problem.units.length;
         let places = open_gap::places(model, state, index).into_iter();
         Self {
             total: surface.values(&total),
-            places: places.map(|place| scale(length, place)).collect(),
-            surface,
+            places: places.map(|place| scale(units.length, place)).collect(),
+            surface: joined(surface, &across.across(surface)),
             wet,
             dry: barred(model, state, index),
             pressure,
@@ -150,7 +137,7 @@ impl<'a> One<'a> {
             })
             .collect();
         let barrier = Barrier {
-            surface: self.surface,
+            surface: &self.surface,
             wet: self.wet,
             dry: &self.dry,
             pressure: &pressure,

@@ -48,6 +48,8 @@ const WITH_SUPPORTS: u32 = 6;
 const WITH_FLUIDS: u32 = 7;
 /// Of the format with multipliers that lend their functions, where any do.
 const WITH_LENDING: u32 = 8;
+/// Of the format with fluids between bodies, where a scene has any.
+const WITH_FILMS: u32 = 9;
 /// Bytes of a SHA-256 digest.
 const DIGEST: usize = 32;
 /// More steps than any session takes.
@@ -146,6 +148,7 @@ impl Checkpoint {
             (true, []) => VERSION,
         };
         let of_state = match (self.state.by_factor, self.state.slip.residue.is_empty()) {
+            _ if !self.state.film.is_empty() => WITH_FILMS,
             _ if !self.state.supports.is_empty() => WITH_LENDING,
             (true, _) => WITH_FACTOR,
             (false, true) => VERSION,
@@ -186,8 +189,8 @@ fn verified(bytes: &[u8]) -> Result<(u32, &[u8]), CheckpointError> {
     let rest = rest.ok_or(CheckpointError::NotACheckpoint)?;
     let (version, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
     let found = u32::from_le_bytes(*version);
-    if !(VERSION..=WITH_LENDING).contains(&found) {
-        let known = WITH_LENDING;
+    if !(VERSION..=WITH_FILMS).contains(&found) {
+        let known = WITH_FILMS;
         return Err(CheckpointError::UnknownVersion { found, known });
     }
     let (body, written) = rest
@@ -233,6 +236,9 @@ fn visit_state<E>(
     }
     for wet in &mut state.wet {
         fields.flags("wet nodes", wet)?;
+    }
+    for film in &mut state.film {
+        fields.numbers("shares of fluids", film)?;
     }
     if version >= WITH_LENDING {
         visit_supports(state, fields)?;

@@ -39,19 +39,20 @@ impl Pushed<'_, '_> {
     pub(crate) fn add_fluids(&self, state: &State, force: &mut [[f64; 3]]) {
         let problem = &self.model.plan.problem;
         let fluids = problem.resolved.fluids.iter().zip(&problem.fluid_surfaces);
-        let states = state.drive.fluids.iter().zip(&state.wet);
-        for ((fluid, surface), (drive, wet)) in fluids.zip(states) {
-            let is_wet = |node: u32| {
+        let states = state.drive.fluids.iter().enumerate();
+        for ((fluid, surface), (index, drive)) in fluids.zip(states) {
+            let wet = state.share_of_fluid(index);
+            let wet_at = |node: u32| {
                 let place = surface.nodes.binary_search(&node);
-                place.is_ok_and(|place| wet[place])
+                place.map_or(0.0, |place| wet[place])
             };
             let pressure = |nodes: &[u32], l: &[f64]| {
                 let corners = l.iter().map(|l| l * l);
                 let pairs = (0..l.len()).flat_map(|a| (a + 1..l.len()).map(move |b| (a, b)));
                 let edges = pairs.map(|(a, b)| 2.0 * l[a] * l[b]);
                 let shares = corners.chain(edges).zip(nodes);
-                let wetted = shares.filter(|(_, node)| is_wet(**node));
-                drive.pressure * wetted.map(|(share, _)| share).sum::<f64>()
+                let wetted = shares.map(|(share, &node)| share * wet_at(node));
+                drive.pressure * wetted.sum::<f64>()
             };
             for &facet in &fluid.facets {
                 self.add_facet(facet as usize, &pressure, force);

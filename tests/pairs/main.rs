@@ -9,6 +9,7 @@ mod boxes;
 mod cylinders;
 mod ends;
 mod floating;
+mod fluids;
 mod folds;
 mod friction;
 mod grooves;

@@ -1,7 +1,8 @@
 //! Fluids: names, groups, values, and what steps ask of them.
 
-use super::{Faults, ResolvedFluid, names};
+use super::{Faults, ResolvedFluid, ResolvedPair, names};
 use crate::mesh::Mesh;
+use crate::pairs::Meets;
 use crate::scene::names::hint;
 use crate::scene::{
     Fluid, FluidLoad, FluidThreshold, Material, MaterialModel, Scene, SceneKind, Step,
@@ -151,6 +152,49 @@ fn surfaces(mesh: &Mesh, facets: [&[u32]; 3], path: &str, faults: &mut Faults) {
             key,
             "touches nothing of `on` and `from`: the fluid can never reach it",
         );
+    }
+}
+
+/// Between two bodies a fluid presses on both, so that it has to be able to reach both.
+pub(super) fn check_beside(fluids: &[ResolvedFluid], pairs: &[ResolvedPair], faults: &mut Faults) {
+    for fluid in fluids {
+        let reaches = |side: &Vec<u32>| {
+            let mut facets = side.iter();
+            facets.any(|facet| fluid.facets.binary_search(facet).is_ok())
+        };
+        let sides = pairs
+            .iter()
+            .map(|pair| (pair, pair.sides.each_ref().map(reaches)));
+        for (pair, sides) in sides {
+            match sides {
+                [false, false] => {}
+                [true, true] => refuse_between(fluid, pair, faults),
+                [true, false] | [false, true] => {
+                    let message = format!(
+                        "has facets of one surface of contact `{}` alone: between two bodies a fluid presses on both, name the other one, too",
+                        pair.name
+                    );
+                    faults.add(format!("fluid.{}.on", fluid.name), message);
+                }
+            }
+        }
+    }
+}
+
+/// Refuses what is not solved of a fluid that reaches a contact between bodies.
+fn refuse_between(fluid: &ResolvedFluid, pair: &ResolvedPair, faults: &mut Faults) {
+    let ResolvedPair { name, meets, .. } = pair;
+    if *meets == Meets::Itself {
+        let message = format!(
+            "a fluid in contact `{name}` of a surface with itself is not solved yet, between two surfaces it is"
+        );
+        faults.unsupported(format!("fluid.{}.on", fluid.name), message);
+    }
+    if fluid.viscosity.is_some() {
+        let message = format!(
+            "what flows through contact `{name}` between bodies is not solved yet, past obstacles it is"
+        );
+        faults.unsupported(format!("fluid.{}.viscosity", fluid.name), message);
     }
 }
 

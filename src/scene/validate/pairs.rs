@@ -102,10 +102,6 @@ fn refuse(scene: &Scene, kind: SceneKind, faults: &mut Faults) {
     if scene.materials.iter().any(|one| flows(&one.model)) {
         faults.add("contact", "a flow has velocities, which close no gap");
     }
-    if !scene.fluids.is_empty() {
-        let message = "a fluid beside contact between bodies is not solved yet: what it reaches there is not known";
-        faults.unsupported("fluid", message);
-    }
 }
 
 /// Slips between bodies are numbers along a line; in space they would be vectors in a surface.
