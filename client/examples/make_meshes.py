@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Meshes of the seals and soft tools: o-ring, bush, lip, stopper, finger, tyre, belt, gripper, of the seals that fluids
-press (seal-ring, lip-seal, syringe, kiss-seal), of the rollers, of the bush in its sleeves, of the bellows, and the surface of the egg that the gripper meets.
+press (seal-ring, backed-ring, lip-seal, syringe, kiss-seal), of the rollers, of the bush in its sleeves, of the bellows, and the surface of the egg that the gripper meets.
 usage: make_meshes.py [OUTDIR [FACTOR OF THE SIZES OF THOSE SEALS]]
 
 Needs `pip install gmsh numpy`. Lengths in millimetres.
@@ -163,6 +163,21 @@ def seal_ring():
     write("seal-ring", surface, {"inside": curves[:1], "outside": curves[2:3], "skin": curves}, order=2)
 
 
+def backed_ring():
+    """Section of the same O-ring with a back-up ring of 1.4 x 4.7 mm on its right, corners rounded by 0.3 mm on its side."""
+    wet = math.radians(55)
+    (curves,) = ring((27.665, 0), [2.665], 0.24 * FACTOR, [math.pi - wet, math.pi + wet, 1.5 * math.pi, 0.0, 0.5 * math.pi])
+    left, right, low, high, round = 30.4, 31.8, -2.665, 2.035, 0.3
+    ends = points([(right, low), (right, high), (left + round, high), (left, high - round), (left, low + round), (left + round, low)], 0.2 * FACTOR)
+    middles = points([(left + round, high - round), (left + round, low + round)], 0.2 * FACTOR)
+    line = lambda a, b: PLANE.addLine(ends[a], ends[b])
+    arc = lambda a, b, middle: PLANE.addCircleArc(ends[a], middles[middle], ends[b])
+    sides = [line(0, 1), line(1, 2), arc(2, 3, 0), line(3, 4), arc(4, 5, 1), line(5, 0)]
+    bodies = {name: PLANE.addPlaneSurface([PLANE.addCurveLoop(loop)]) for name, loop in (("rubber", curves), ("back-up", sides))}
+    groups = {"inside": curves[:1], "skin": curves, "face": sides[1:5], "back": sides[:1], "seat": sides[5:]}
+    write("backed-ring", bodies, groups, order=2)
+
+
 def lip_seal():
     """Section of a lip that is held in a case of 22 mm radius: oil below it, air above."""
     places = [(22, 0), (22, 7), (20, 7), (20, 2.2), (18.6, 2.6), (16.4, 5.2), (15.48, 5.93), (14.83, 5.57), (15.4, 4.4), (17.6, 0)]
@@ -276,7 +291,7 @@ def bellows():
     write("bellows", surface, groups, order=2)
 
 
-for make in (o_ring, bush, lip, stopper, finger, tyre, belt, gripper, seal_ring, lip_seal, syringe, kiss_seal, rollers, sleeved_bush, bellows):
+for make in (o_ring, bush, lip, stopper, finger, tyre, belt, gripper, seal_ring, backed_ring, lip_seal, syringe, kiss_seal, rollers, sleeved_bush, bellows):
     gmsh.initialize(["-v", "2"])
     make()
     gmsh.finalize()

@@ -132,3 +132,19 @@ fn a_stopper_stays_tight_under_the_drug() {
         "{margins:?}"
     );
 }
+
+/// The ring feels the water from one side and hands it to the back-up ring, which closes the gap at
+/// the lid: contact rises with the water.
+#[test]
+fn a_ring_before_its_back_up_ring_stays_tight_at_five_megapascals() {
+    let steps = solve("backed-ring.toml", &[]);
+    steps.iter().for_each(assert_balanced);
+    let margins = margins(&steps, "water");
+    assert_eq!(margins.len(), steps.len());
+    assert!(margins.iter().all(|margin| *margin > 0.0), "{margins:?}");
+    let last = steps.last().expect("an increment");
+    let peak = number(&last["contacts"]["backing"]["peak_pressure"]);
+    assert!(peak > 5.0, "{peak}");
+    let water = &last["fluids"]["water"];
+    assert_eq!(water["tightness"], "tight");
+}
