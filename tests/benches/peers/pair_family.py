@@ -6,11 +6,12 @@ Writes scene and mesh files, solves each with `pair_contact` and by `PATH solve 
 increment: forces and moments of contacts over what presses, strain energy, what friction has dissipated over that,
 largest pressures, displacements of probes over the largest of them. Verdicts: agree; tolerance (agrees at 1e-14, or
 ends at 1e-11 and agrees at 1e-8: moduli far apart); undecided (states agree, and pressures and tractions that exert
-nothing on what is free may be added to those of either); disagree; failed (this code has an equilibrium, Signorini
-none); verified (this code has none within its time, Signorini's states leave less than --near in its equations:
-`pair_check`, which needs meshio); peer-failed; both-failed; ended (Signorini, with --check). `covered`: the least share
-of a pressing function that has a partner. Prints one line a scene that does not agree and a table by kinds; writes
-family.csv and the records of both, SCENE.peer.json and SCENE.own.json.
+nothing on what is free may be added to those of either); both (they differ, and Signorini's states leave less than
+--near in the equations here: several equilibria, or rounding of moduli far apart); disagree; failed (this code has an
+equilibrium, Signorini none); verified (this code has none within its time, Signorini's states leave less than --near in
+its equations: `pair_check`, which needs meshio); peer-failed; both-failed; ended (Signorini, with --check). `covered`:
+the least share of a pressing function that has a partner. Prints one line a scene that does not agree and a table by
+kinds; writes family.csv and the records of both, SCENE.peer.json and SCENE.own.json.
 """
 import argparse
 import csv
@@ -136,6 +137,14 @@ def judge(mine, theirs, given, draft, what=WHAT):
 
 
 def compare(scene, mine, given, draft):
+    """The verdict, with Signorini's states put into the equations here where theirs and ours differ."""
+    verdict, *rest = by_tolerance(scene, mine, given, draft)
+    if verdict == "disagree" and max(checked(scene).values(), default=np.inf) <= given.near:
+        verdict = "both"
+    return verdict, *rest
+
+
+def by_tolerance(scene, mine, given, draft):
     """The verdict, with another tolerance where that may be the cause."""
     theirs = signorini(scene, given)
     first = judge(mine, theirs, given, draft)
