@@ -172,3 +172,45 @@ fn friction_between_bodies_turns_with_them() {
         assert!(miss < 1e-9, "{angle} {miss:e}");
     }
 }
+
+/// A narrow block pressed on a wide one of `facets` and dragged over it in `increments`, the `carrier`
+/// first.
+fn dragged(
+    [facets, increments]: [usize; 2],
+    [carrier, other]: [&str; 2],
+    friction: f64,
+) -> Vec<StepReport> {
+    let wide = moved(unit_grid(facets, 4), |[x, y, z]| [3.0 * x, y - 1.0, z]);
+    let narrow = moved(unit_grid(8, 8), |[x, y, z]| [0.7 + 0.5 * x, y, z]);
+    let scene = Scene {
+        supports: vec![
+            support("w_y0", HELD_IN_PLANE),
+            support("n_y1", HELD_IN_PLANE),
+        ],
+        contacts: rough(between(carrier, other), friction),
+        ..rubber([("w_body", 8.0), ("n_body", 2.0)], Some(100.0))
+    };
+    let steps = [
+        pull("n_y1", [Some(0.0), Some(-0.05), None], 2),
+        pull("n_y1", [Some(1.0), Some(-0.05), None], increments as u32),
+    ];
+    let parts = mesh(joined(&[("w_", wide), ("n_", narrow)]));
+    solve(&scene, &steps, &parts)
+}
+
+#[test]
+fn a_narrow_block_is_dragged_over_a_wide_surface_whichever_carries() {
+    let carriers = [["w_y1", "n_y0"], ["n_y0", "w_y1"]];
+    let [by_wide, by_narrow] = carriers.map(|both| dragged([12, 20], both, 0.2));
+    for (wide, narrow) in by_wide.iter().zip(&by_narrow) {
+        assert_converged(wide);
+        let [own, other] = [wide, narrow].map(|report| report.supports["w_y0"].force);
+        assert!(close(own[1], other[1], 0.02), "{own:?} {other:?}");
+        assert!(wide.sqp_iterations <= 6, "{}", wide.sqp_iterations);
+    }
+    // It slides after some increments.
+    for report in by_wide.iter().skip(8) {
+        let [along, up, _] = report.supports["w_y0"].force;
+        assert!(close(along.abs(), 0.2 * up, 0.02), "{along} {up}");
+    }
+}

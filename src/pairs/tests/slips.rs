@@ -3,11 +3,13 @@
 use super::*;
 
 /// Bodies with where they were when the increment began: slid along each other by a bit.
-fn slid() -> [(Bodies, Vec<[f64; 2]>); 3] {
+fn slid() -> [(Bodies, Vec<[f64; 2]>); 5] {
     let all = [
         rings(12, 9),
         lines([4, 6], 0.01, 0.02),
         turned(lines([6, 4], -0.02, 0.02)),
+        narrow(lines([3, 5], 0.01, 0.02)),
+        turned(narrow(lines([3, 5], -0.02, 0.02))),
     ];
     all.map(|bodies| {
         let shaken = |(k, &[x, y]): (usize, &[f64; 2])| {
@@ -17,6 +19,31 @@ fn slid() -> [(Bodies, Vec<[f64; 2]>); 3] {
         let start = bodies.places.iter().enumerate().map(shaken).collect();
         (bodies, start)
     })
+}
+
+/// The same with an other surface that ends under faces of the carrier.
+fn narrow(mut bodies: Bodies) -> Bodies {
+    let faces = bodies.pair.other.faces.iter();
+    let mut own: Vec<u32> = faces
+        .flat_map(|face| [face.nodes[0], face.nodes[1]])
+        .collect();
+    own.sort_unstable();
+    own.dedup();
+    for vertex in own {
+        let x = &mut bodies.places[vertex as usize][0];
+        *x = 0.23 + 0.51 * *x;
+    }
+    bodies
+}
+
+/// Some nodes of both surfaces and a direction each, the ends of the other one among them.
+fn some_motions(bodies: &Bodies) -> Vec<(usize, usize)> {
+    let faces = &bodies.pair.other.faces;
+    let ends = faces.iter().filter(|face| face.beside.contains(&None));
+    let ends = ends.flat_map(|face| [face.nodes[0], face.nodes[1]]);
+    let ends = ends.flat_map(|node| [(node as usize, 0), (node as usize, 1)]);
+    let inside = [(1, 0), (2, 1), (bodies.places.len() - 2, 1)];
+    inside.into_iter().chain(ends).collect()
 }
 
 /// S of all faces.
@@ -77,7 +104,7 @@ fn nothing_has_slid_where_the_same_points_are_opposite() {
 fn derivatives_of_slips_are_those_of_differences() {
     let h = 1e-6;
     for (bodies, start) in slid() {
-        for (node, i) in [(1, 0), (2, 1), (bodies.places.len() - 2, 1)] {
+        for (node, i) in some_motions(&bodies) {
             let [before, after] = [-h, h].map(|by| slips(&bodies.moved(node, i, by), &start));
             let mut exact = vec![[0.0; 3]; before.len()];
             bodies.at(|placed| {
@@ -122,7 +149,7 @@ fn changes_of_tractions_are_those_of_differences() {
     let h = 1e-6;
     for (bodies, _) in slid() {
         let tractions = some_tractions(&bodies);
-        for (node, i) in [(1, 0), (2, 1), (bodies.places.len() - 2, 1)] {
+        for (node, i) in some_motions(&bodies) {
             let [before, after] = [-h, h].map(|by| pulls(&bodies.moved(node, i, by), &tractions));
             let mut exact = vec![[0.0; 2]; before.len()];
             bodies.at(|placed| {
