@@ -17,7 +17,7 @@ use super::state::State;
 use crate::pairs::Support;
 use crate::saddle::Status;
 
-/// What the multipliers of `base` have to press on where the body is; empty where none lends.
+/// What the multipliers of `base` have to press on where the body is.
 fn supports(base: &Model<'_>, state: &State) -> Vec<Support> {
     let body = base.deformed(&state.displacement);
     let before = base.interfaces.lending(base, state);
@@ -32,11 +32,7 @@ fn supports(base: &Model<'_>, state: &State) -> Vec<Support> {
             }
         }
     }
-    if all.iter().any(|support| support.lends()) {
-        all
-    } else {
-        Vec::new()
-    }
+    all
 }
 
 impl Interfaces {
@@ -62,18 +58,20 @@ pub(crate) fn lend_anew(base: &Model<'_>, state: &mut State) -> bool {
         return false;
     }
     let found = supports(base, state);
-    if found == state.supports {
+    let lends = found.iter().any(|support| support.lends());
+    let kept = if lends { found.clone() } else { Vec::new() };
+    if kept == state.supports {
         return false;
     }
     let before = base.interfaces.lending(base, state);
     let before = before.as_ref().unwrap_or(base.interfaces);
     let from = state.clone();
-    state.supports = found;
+    state.supports = kept;
     let after = base.interfaces.lending(base, state);
     let after = after.as_ref().unwrap_or(base.interfaces);
     for (old, new) in before.list.iter().zip(&after.list) {
         if new.pair().is_some() {
-            press([old, new], &from, state);
+            press([old, new], &from, (state, &found));
         }
     }
     if let Some(friction) = &base.interfaces.friction {
@@ -92,12 +90,14 @@ fn carried([old, new]: [&Interface; 2], values: &[f64]) -> Vec<f64> {
     own.collect()
 }
 
-/// Moves the pressures of a contact.
-fn press(both: [&Interface; 2], from: &State, state: &mut State) {
+/// Moves the pressures of a contact to multipliers with enough to press on: what has lent and meets
+/// nothing any more would press on nothing, and no motion could take that off.
+fn press(both: [&Interface; 2], from: &State, (state, supports): (&mut State, &[Support])) {
     let new = both[1];
     let values = carried(both, &new.own(&from.multiplier));
     for (place, value) in new.places().zip(values) {
-        let value = if state.lends(place) { 0.0 } else { value };
+        let presses = supports[place] == Support::Enough;
+        let value = if presses { value } else { 0.0 };
         state.multiplier[place] = value;
         let status = &mut state.status[place];
         *status = match (value > 0.0, *status) {

@@ -171,10 +171,10 @@ impl State {
         }
     }
 
-    /// Whether a multiplier lends its function to others.
-    pub(crate) fn lends(&self, multiplier: usize) -> bool {
-        let support = self.supports.get(multiplier);
-        support.is_some_and(|support| support.lends())
+    /// Which multipliers lend their functions to others; empty where none does.
+    pub(crate) fn lends(&self) -> Vec<bool> {
+        let supports = self.supports.iter();
+        supports.map(|support| support.lends()).collect()
     }
 
     /// Whether displacement and pressure are those of the whole body, not of its surface alone.

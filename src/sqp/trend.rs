@@ -5,8 +5,9 @@
 //! ```
 //!
 //! (Newton's divided differences; [`super::predictor`] says what r and q are.) Changes
-//! of the displacement are in the frame that supports carry along. Shapes as in
-//! [`State`]. Cost: two changes of the state kept.
+//! of the displacement are in the frame that supports carry along. Where other functions of a contact lend
+//! theirs than did before, l stays what it is: a change of what carried for others is none of what
+//! carries now. Shapes as in [`State`]. Cost: two changes of the state kept.
 
 use super::rigid_predictor::RigidPredictor;
 use crate::linalg::vector::{add_scaled, norm};
@@ -29,6 +30,8 @@ struct Change {
     pressure: Vec<f64>,
     /// Change of the multipliers `[multipliers]`.
     multiplier: Vec<f64>,
+    /// Which of them lent their functions meanwhile; empty where none did.
+    lends: Vec<bool>,
 }
 
 impl Change {
@@ -42,6 +45,7 @@ impl Change {
             displacement: change(&state.displacement, displacement),
             pressure: change(&state.pressure, &before.pressure),
             multiplier: change(&state.multiplier, &before.multiplier),
+            lends: state.lends(),
         }
     }
 
@@ -55,7 +59,7 @@ impl Change {
     /// Bytes that the three vectors hold.
     fn bytes(&self) -> u64 {
         let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
-        8 * numbers as u64
+        (8 * numbers + self.lends.len()) as u64
     }
 }
 
@@ -132,16 +136,27 @@ impl Trend {
         if self.to != *here {
             return false;
         }
-        let before = norm(&state.multiplier);
+        let held = state.multiplier.clone();
         self.last.add_to(state, further);
         if let Some((longer, earlier)) = &self.earlier {
             let bend = further * (further + 1.0) * longer / (1.0 + longer);
             self.last.add_to(state, bend);
             earlier.add_to(state, -bend * longer);
         }
+        if !self.lends_like(&state.lends()) {
+            state.multiplier.clone_from(&held);
+        }
         // Tractions and what supports exert have either sign.
         let pressures = state.multiplier.iter_mut().take(plan.normal_multipliers());
         pressures.for_each(|pressure| *pressure = pressure.max(0.0));
+        let before = norm(&held);
         before == 0.0 || norm(&state.multiplier) > FADED * before
+    }
+
+    /// Whether all changes are those of multipliers of which the same ones lent their functions.
+    fn lends_like(&self, lends: &[bool]) -> bool {
+        let earlier = self.earlier.as_ref().map(|(_, change)| change);
+        let mut changes = earlier.into_iter().chain([&self.last]);
+        changes.all(|change| change.lends == lends)
     }
 }

@@ -214,3 +214,12 @@ fn a_narrow_block_is_dragged_over_a_wide_surface_whichever_carries() {
         assert!(close(along.abs(), 0.2 * up, 0.02), "{along} {up}");
     }
 }
+
+#[test]
+fn a_function_that_a_block_leaves_behind_presses_on_nothing() {
+    let reports = dragged([6, 20], ["w_y1", "n_y0"], 0.0);
+    for report in &reports {
+        assert_converged(report);
+        assert!(report.sqp_iterations <= 6, "{}", report.sqp_iterations);
+    }
+}
