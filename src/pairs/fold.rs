@@ -1,23 +1,23 @@
 //! Surfaces of one body that meet each other, and a surface that meets itself: who may meet whom.
 //!
 //! ```text
-//! rank_i       place of face i along the surface, from where it begins
+//! rank_i       place of face i in the order in which faces carry
 //! i meets j    rank_i < rank_j, and the ray from i meets nothing else on its way, nor its neighbours
 //! depth        at s at most t(s) / 2,   t = |x(s) - y_back|
 //! ```
 //!
-//! Of two parts that touch the one that comes first along the surface carries: no face carries and is
-//! met in the same contact, however often the surface folds. A surface begins at its end; a closed one
-//! at its sharpest corner, where no contact goes through. y_back is the point behind x across the body
-//! at rest, carried along: a ray inwards meets what has come in, never the own back side, however thin
-//! a wall is pressed. Faces with a common vertex at a smooth place or a convex corner never meet.
+//! Of two parts that touch the one that comes first in one order of all faces carries (`order`): no face
+//! carries and is met in the same contact, however often the surface folds. y_back is the point behind x
+//! across the body at rest, carried along: a ray inwards meets what has come in, never the own back side,
+//! however thin a wall is pressed. Faces with a common vertex at a smooth place or a convex corner never meet.
 //! Assumes one body in the plane or a section; lengths are those of the caller. Cost: one ray a face
 //! through the boundary, once.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::chain::{Chain, ChainFace, PlaceOf, by_vertex, turn};
+use super::chain::{Chain, ChainFace, PlaceOf};
 use super::choice::Role;
+use super::order::ranks;
 use super::piece::{cross, dot, minus, point};
 use super::tree::{Bounds, BoxTree};
 use crate::contact::patches::SMOOTH;
@@ -56,7 +56,7 @@ struct Back {
 pub struct Fold {
     /// What is behind each face of the carrier `[faces]`, at `MEASURED_AT`.
     backs: Vec<[Option<Back>; 2]>,
-    /// Place of each face along a surface that meets itself `[faces]`; empty where it meets another.
+    /// Place of each face of a surface that meets itself in their order `[faces]`; empty where it meets another.
     ranks: Vec<usize>,
     /// Ways of the faces of both at rest `[faces]`.
     ways: [Vec<[f64; 2]>; 2],
@@ -187,40 +187,6 @@ fn followed(
     } else {
         None
     }
-}
-
-/// Place of each face along the surface `[faces]`: parts one after the other, each from its end or its
-/// sharpest corner on.
-fn ranks(mesh: &Mesh, space: &TaylorHood, chain: &Chain) -> Vec<usize> {
-    let faces = &chain.faces;
-    let starts = by_vertex(faces, 0);
-    let ends = by_vertex(faces, 1);
-    let follower =
-        |at: &BTreeMap<u32, Option<usize>>, vertex: u32| at.get(&vertex).copied().flatten();
-    let after = |face: usize| follower(&starts, faces[face].nodes[1]);
-    let before = |face: usize| follower(&ends, faces[face].nodes[0]);
-    let cosine = |face: usize| {
-        let pair = before(face).map(|one| [faces[one].nodes, faces[face].nodes]);
-        pair.map_or(-1.0, |pair| turn(mesh, space, pair))
-    };
-    let mut first: Vec<usize> = (0..faces.len()).collect();
-    // Ends come first, then corners by their sharpness.
-    let key = |face: &usize| (before(*face).is_some(), cosine(*face));
-    first.sort_by(|a, b| {
-        let [a, b] = [key(a), key(b)];
-        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-    });
-    let mut ranks: Vec<Option<usize>> = vec![None; faces.len()];
-    let mut next = 0;
-    for start in first {
-        let mut at = Some(start);
-        while let Some(face) = at.filter(|&face| ranks[face].is_none()) {
-            ranks[face] = Some(next);
-            next += 1;
-            at = after(face);
-        }
-    }
-    ranks.into_iter().map(Option::unwrap_or_default).collect()
 }
 
 /// The boundary of a body in the plane at rest.

@@ -22,6 +22,7 @@
 //! | [`chain`] | surfaces: neighbours, corners, ends |
 //! | [`force`] | forces on both surfaces |
 //! | [`fold`] | who may meet whom on one body |
+//! | `order` | which face of a surface that meets itself carries |
 //! | [`tree`] | faces near a face |
 //! | [`pair`] | gaps of two surfaces |
 //! | `between` | what gaps have to tell, in whatever dimension |
@@ -49,6 +50,7 @@ pub mod force;
 mod ground;
 pub mod number;
 pub mod opposite;
+mod order;
 pub mod pair;
 pub mod piece;
 mod plane;

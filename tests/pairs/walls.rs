@@ -47,6 +47,11 @@ fn three_blocks_that_meet_in_a_corner_of_a_closed_box_have_even_pressure() {
         ("b_", block([4, 3], [0.0, 1.0], 0.9)),
         ("c_", block([5, 4], [0.9, 1.0], 1.1)),
     ]);
+    let faced = ["a_y1", "b_y0", "b_x1", "c_y0", "c_x0"];
+    let sides = ["x0", "x1", "y0", "y1"];
+    let whole = ["a_", "b_", "c_"].map(|body| sides.map(|side| format!("{body}{side}")));
+    let whole: Vec<&str> = whole.as_flattened().iter().map(|name| &name[..]).collect();
+    let parts = with_union(with_union(parts, "faced", &faced), "whole", &whole);
     let parts = mesh(parts);
     let along = [Some(0.0), None, None];
     let up = [None, Some(0.0), None];
@@ -84,16 +89,29 @@ fn three_blocks_that_meet_in_a_corner_of_a_closed_box_have_even_pressure() {
     let stretch: f64 = 0.95;
     let mean = (stretch * stretch + 2.0) / 3.0;
     let added = |square: f64| stretch.powf(-5.0 / 3.0) * (mean - square);
-    let down = 20.0 * (1.0 - stretch) + added(stretch * stretch);
-    let across = 20.0 * (1.0 - stretch) + added(1.0);
-    scene.contacts = pairs;
     scene.solver.tolerance = 1e-10;
-    let report = solve_one(&scene, &step, &parts);
-    let lid = ["b_y1", "c_y1"].map(|name| -report.supports[name].force[1]);
-    assert!(close(lid[0], 0.9 * down, 1e-7), "{lid:?}");
-    assert!(close(lid[1], 1.1 * down, 1e-7), "{lid:?}");
-    let contact = &report.contacts["bc"];
-    assert!(close(contact.force[0], 0.95 * across, 1e-7), "{contact:?}");
+    // As pairs, as one surface, and with the sides where nothing is met in it, too; soft and hard.
+    for contacts in [pairs, of_itself("faced"), of_itself("whole")] {
+        for bulk in [20.0, 200.0] {
+            scene.materials = rubber(
+                [("a_body", 1.0), ("b_body", 1.0), ("c_body", 1.0)],
+                Some(bulk),
+            )
+            .materials;
+            scene.contacts.clone_from(&contacts);
+            let report = solve_one(&scene, &step, &parts);
+            let down = bulk * (1.0 - stretch) + added(stretch * stretch);
+            let across = bulk * (1.0 - stretch) + added(1.0);
+            let lid = ["b_y1", "c_y1"].map(|name| -report.supports[name].force[1]);
+            assert!(close(lid[0], 0.9 * down, 1e-7), "{lid:?}");
+            assert!(close(lid[1], 1.1 * down, 1e-7), "{lid:?}");
+            let wall = report.supports["b_x0"].force[0];
+            assert!(close(wall, 0.95 * across, 1e-7), "{wall}");
+            if let Some(contact) = report.contacts.get("bc") {
+                assert!(close(contact.force[0], 0.95 * across, 1e-7), "{contact:?}");
+            }
+        }
+    }
 }
 
 #[test]
