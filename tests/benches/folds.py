@@ -2,6 +2,9 @@
 """Random slits, open rings and bellows that are pressed until they touch themselves: each and its mirror image, whose
 other lip carries the pressure, must converge, balance, and store the same energy.
 
+Bellows are bodies of revolution, mirrored up and down. A wavy strip in the plane bends to the side before it touches: it
+took up to 185 programs an increment without any contact.
+
 usage: folds.py PROGRAM [COUNT [SEED]]      needs `pip install numpy`
 """
 import json
@@ -14,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 LAW = 'model = "neo-hookean"\nshear_modulus = 1.0\nbulk_modulus = {bulk}\n'
-SCENE = """kind = "plane-strain"
+SCENE = """kind = "{section}"
 mesh = "fold.msh"
 [material.body]
 {law}
@@ -107,14 +110,15 @@ def open_ring(rng):
 
 
 def bellows(rng):
-    """A wavy strip."""
-    folds, pitch, depth, wall = rng.integers(2, 4), 1.0, rng.uniform(0.2, 0.3), rng.uniform(0.07, 0.11)
+    """A wavy strip about an axis."""
+    folds, pitch, depth, wall = int(rng.integers(2, 4)), 1.0, rng.uniform(0.2, 0.3), rng.uniform(0.07, 0.11)
+    radius = rng.uniform(0.8, 2.0)
 
     def place(s, t):
         y = s * folds * pitch
         slope = -2 * math.pi / pitch * depth * math.sin(2 * math.pi * y / pitch)
         size = math.hypot(1, slope)
-        return (depth * math.cos(2 * math.pi * y / pitch) + (t - 0.5) * wall / size, y - (t - 0.5) * wall * slope / size)
+        return (radius + depth * math.cos(2 * math.pi * y / pitch) + (t - 0.5) * wall / size, y - (t - 0.5) * wall * slope / size)
 
     points, cells = grid(int(32 * folds), 2, place)
     ends = (wall, folds * pitch)
@@ -173,10 +177,12 @@ def main():
         points = [(float(x), float(y)) for x, y in points]
         # Friction breaks no mirror: either lip slides on the other one.
         friction = "" if number % 2 else f"friction = {rng.uniform(0.1, 0.5):.3f}"
-        scene = SCENE.format(law=LAW.format(bulk=rng.choice([5.0, 20.0, 100.0])), friction=friction, increments=12, way=way)
+        section, axes = ("axisymmetric", [1]) if kind == "bellows" else ("plane-strain", [0, 1])
+        scene = SCENE.format(section=section, law=LAW.format(bulk=rng.choice([5.0, 20.0, 100.0])), friction=friction, increments=12, way=way)
         energies = []
         for mirror in (1, -1):
-            places = [(mirror * x, y) for x, y in points]
+            turned_over = mirror < 0 and kind == "bellows"
+            places = [(x, ends[1] - y) if turned_over else (x if kind == "bellows" else mirror * x, y) for x, y in points]
             own = turned(places, cells)
             with tempfile.TemporaryDirectory() as folder:
                 write(Path(folder) / "fold.msh", places, own, groups(kind, places, own, ends) if kind != "open ring" or mirror > 0 else
@@ -186,7 +192,7 @@ def main():
             if last["termination"] != "converged":
                 failed.append((number, kind, mirror, len(steps), last["termination"]))
                 break
-            head, foot = (np.array(last["supports"][name]["force"]) for name in ("head", "foot"))
+            head, foot = (np.array(last["supports"][name]["force"])[axes] for name in ("head", "foot"))
             if np.abs(head + foot).max() > 1e-6 * np.abs(head).max():
                 failed.append((number, kind, mirror, "balance", head, foot))
             energies.append(last["strain_energy"])
