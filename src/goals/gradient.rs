@@ -265,10 +265,12 @@ fn spring(model: &Model<'_>, control: Control) -> f64 {
 
 /// Which of the controls a place is.
 fn following(controls: &[Control], place: &Place) -> Option<usize> {
-    let (part, axis) = match place {
-        Place::Pose(index, axis) => (Part::Obstacle(*index), axis),
-        Place::Support(index, axis) => (Part::Support(*index), axis),
-        _ => return None,
+    let (part, axis) = if let Place::Pose(index, axis) = place {
+        (Part::Obstacle(*index), axis)
+    } else if let Place::Support(index, axis) = place {
+        (Part::Support(*index), axis)
+    } else {
+        return None;
     };
     let is_it = |control: &Control| control.part == part && control.axis == *axis;
     controls.iter().position(is_it)

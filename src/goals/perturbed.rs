@@ -192,7 +192,13 @@ impl<'a> Perturbed<'a> {
                 problem.resolved.body_force[*axis] += by;
                 self.load = Some(reference_load(&plan, self.mesh(), self.base.prepared));
             }
-            _ => {}
+            Place::Material(..)
+            | Place::Shape(..)
+            | Place::Pose(..)
+            | Place::Load
+            | Place::Friction(_)
+            | Place::Fluid(_)
+            | Place::Support(..) => {}
         }
         self.plan = Some(plan);
     }

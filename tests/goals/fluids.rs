@@ -32,10 +32,12 @@ fn set_water(problem: &mut Problem, by: f64) {
 }
 
 fn set_shear(problem: &mut Problem, by: f64) {
-    if let MaterialModel::LinearElastic { modulus, .. } = &mut problem.scene.materials[0].model {
-        if let Modulus::Shear(shear) = modulus {
-            *shear += by;
-        }
+    if let MaterialModel::LinearElastic {
+        modulus: Modulus::Shear(shear),
+        ..
+    } = &mut problem.scene.materials[0].model
+    {
+        *shear += by;
     }
 }
 
