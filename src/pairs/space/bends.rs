@@ -24,6 +24,13 @@ pub(super) struct Part<'a> {
     pieces: std::ops::Range<usize>,
 }
 
+impl Part<'_> {
+    /// Its pieces.
+    pub(super) fn pieces(&self) -> &[Piece] {
+        &self.meeting.pieces[self.pieces.clone()]
+    }
+}
+
 /// All pieces of a meeting by parts.
 pub(super) fn parts(meeting: &Meeting) -> Vec<Part<'_>> {
     parts_of(meeting, TOGETHER)
@@ -72,7 +79,7 @@ impl Placed<'_> {
     /// Second derivatives of sum_j factor_j G_j of a part of a face.
     pub(super) fn face_bend(&self, part: &Part<'_>, factors: [f64; NODES]) -> FaceBend {
         let meeting = part.meeting;
-        let pieces = &meeting.pieces[part.pieces.clone()];
+        let pieces = part.pieces();
         let of_piece = |k: usize| self.vectors(meeting.face, &meeting.pieces[k]);
         let rims = pieces.iter().flat_map(|piece| {
             let points = self.rim_points(meeting.face, piece).into_iter();
@@ -83,14 +90,7 @@ impl Placed<'_> {
         let of_pieces = part.pieces.clone().chain(beyond).flat_map(of_piece);
         let of_rims = rims.iter().flat_map(|rim| &rim.motion);
         let of_rims = of_rims.map(|(vector, _)| *vector);
-        let mut vectors: Vec<Vector> = of_pieces.chain(of_rims).collect();
-        vectors.sort_unstable();
-        vectors.dedup();
-        let mut sum = FaceBend {
-            entries: vec![0.0; 9 * vectors.len() * vectors.len()],
-            vectors,
-            by_normals: [[0.0; 3]; 3],
-        };
+        let mut sum = FaceBend::of(of_pieces.chain(of_rims).collect());
         for (piece, k) in pieces.iter().zip(part.pieces.clone()) {
             let bend = self.bend((meeting.face, piece), factors, &mut sum.by_normals);
             sum.add_piece(&of_piece(k), &bend);
@@ -135,11 +135,22 @@ impl Placed<'_> {
 }
 
 impl FaceBend {
+    /// Nothing, by those vectors.
+    pub(super) fn of(mut vectors: Vec<Vector>) -> Self {
+        vectors.sort_unstable();
+        vectors.dedup();
+        Self {
+            entries: vec![0.0; 9 * vectors.len() * vectors.len()],
+            vectors,
+            by_normals: [[0.0; 3]; 3],
+        }
+    }
+
     fn place(&self, vector: Vector) -> usize {
         self.vectors.partition_point(|own| *own < vector)
     }
 
-    fn add_piece(&mut self, own: &[Vector; VECTORS], bend: &Bend) {
+    pub(super) fn add_piece(&mut self, own: &[Vector; VECTORS], bend: &Bend) {
         let places = own.map(|vector| self.place(vector));
         let width = 3 * self.vectors.len();
         for (&first, of_vector) in places.iter().zip(bend) {
@@ -165,15 +176,18 @@ impl FaceBend {
     }
 
     fn add_rim(&mut self, rim: &RimBend) {
-        let both = [self.row(&rim.change), self.row(&rim.motion)];
-        let width = both[0].len();
-        for [p, q] in [[&both[0], &both[1]], [&both[1], &both[0]]] {
-            let rows = self.entries.chunks_exact_mut(width);
-            for (row, first) in rows.zip(p).filter(|(_, first)| **first != 0.0) {
-                let factor = rim.factor * first;
-                let entries = row.iter_mut().zip(q);
-                entries.for_each(|(sum, second)| *sum += factor * second);
-            }
+        self.add_product(rim.factor, [&rim.change, &rim.motion]);
+        self.add_product(rim.factor, [&rim.motion, &rim.change]);
+    }
+
+    /// Adds factor p q of two rows of coordinates by vectors.
+    pub(super) fn add_product(&mut self, factor: f64, both: [&[(Vector, [f64; 3])]; 2]) {
+        let [p, q] = both.map(|own| self.row(own));
+        let rows = self.entries.chunks_exact_mut(p.len());
+        for (row, first) in rows.zip(&p).filter(|(_, first)| **first != 0.0) {
+            let factor = factor * first;
+            let entries = row.iter_mut().zip(&q);
+            entries.for_each(|(sum, second)| *sum += factor * second);
         }
     }
 

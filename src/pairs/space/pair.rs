@@ -81,13 +81,7 @@ impl Pair {
     pub fn placed<'a>(&'a self, place: &PlaceOf<'_>) -> Placed<'a> {
         let patches = self.carrier.patches(place);
         let others = self.other.patches(place);
-        let normals = normals(&self.carrier, &patches);
-        let faces = self.carrier.faces.iter().zip(&patches);
-        let own = faces.map(|(face, &patch)| Rayed {
-            patch,
-            normals: face.normals.map(|k| normals[k as usize].unit),
-        });
-        let own: Vec<Rayed> = own.collect();
+        let (normals, own) = self.carrier.rayed(&patches);
         let extents = [&patches, &others].map(|all| {
             let points = all.iter().flat_map(|patch| patch.hull());
             Bounds::of(points).diagonal()
@@ -140,6 +134,18 @@ impl Pair {
 }
 
 impl Skin {
+    /// Its normals where its faces are `patches`, and the faces with them.
+    pub(super) fn rayed(&self, patches: &[Patch]) -> (Vec<Normal>, Vec<Rayed>) {
+        let normals = normals(self, patches);
+        let faces = self.faces.iter().zip(patches);
+        let own = faces.map(|(face, &patch)| Rayed {
+            patch,
+            normals: face.normals.map(|k| normals[k as usize].unit),
+        });
+        let own = own.collect();
+        (normals, own)
+    }
+
     /// Its faces where nodes are at `place`.
     pub(super) fn patches(&self, place: &PlaceOf<'_>) -> Vec<Patch> {
         let faces = self.faces.iter();

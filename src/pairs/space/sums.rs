@@ -21,10 +21,10 @@ use crate::pairs::between::{Derivatives, Gaps, raise};
 use crate::parallel::{self, Pieces};
 
 /// Fewer rows are not worth a second thread.
-const FEW: usize = 16;
+pub(super) const FEW: usize = 16;
 /// Parts of faces whose second derivatives are held at once: 45 MB at most; 8 faces on 4,608 take 1.2 GB
 /// in all so, 2.8 without.
-const AT_ONCE: usize = 64;
+pub(super) const AT_ONCE: usize = 64;
 /// Entries of a row over what is left of it where equal columns are summed, without unit; chosen.
 const LONG: usize = 4;
 
@@ -61,9 +61,18 @@ impl<'a> SpaceGaps<'a> {
 
 impl SpaceGaps<'_> {
     /// The surfaces.
-    #[cfg(test)]
     pub(super) fn placed(&self) -> &Placed<'_> {
         self.placed
+    }
+
+    /// Number of functions.
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Functions of a face.
+    pub(super) fn functions_of(&self, face: usize) -> [u32; NODES] {
+        self.functions[face]
     }
 
     fn skin(&self) -> &Skin {
@@ -92,7 +101,7 @@ impl SpaceGaps<'_> {
     }
 
     /// First column of a vector; those of normals are after the displacement.
-    fn column(&self, vector: Vector) -> u32 {
+    pub(super) fn column(&self, vector: Vector) -> u32 {
         match vector {
             Vector::Node(node) => 3 * node,
             Vector::Normal(normal) => self.unknowns as u32 + 3 * normal,
@@ -163,22 +172,17 @@ impl SpaceGaps<'_> {
     }
 
     /// Second derivatives by nodes and normals, and derivatives by normals `[normals][3]`.
-    fn raw_bend(&self, factors: &[f64]) -> (Vec<Row>, Vec<[f64; 3]>) {
+    fn raw_bend(
+        &self,
+        parts: &[Part<'_>],
+        bend: &(dyn Fn(&Part<'_>) -> FaceBend + Sync),
+    ) -> (Vec<Row>, Vec<[f64; 3]>) {
         let fans = self.skin().fans.len();
         let mut rows = vec![Row::new(); self.unknowns + 3 * fans];
         let mut by_normals = vec![[0.0; 3]; fans];
-        let placed = self.placed;
-        let of_face = |face: usize| self.functions[face].map(|k| factors[k as usize]);
-        let loaded = placed.meetings.iter();
-        let loaded: Vec<_> = loaded
-            .filter(|meeting| of_face(meeting.face).iter().any(|factor| *factor != 0.0))
-            .collect();
-        let parts: Vec<Part<'_>> = loaded.into_iter().flat_map(parts).collect();
         let mut settled = vec![0; rows.len()];
         for parts in parts.chunks(AT_ONCE) {
-            let found = parallel::map(parts.len(), 1, &|k| {
-                placed.face_bend(&parts[k], of_face(parts[k].meeting.face))
-            });
+            let found = parallel::map(parts.len(), 1, &|k| bend(&parts[k]));
             for (part, bend) in parts.iter().zip(found) {
                 let normals = self.skin().faces[part.meeting.face].normals;
                 for (normal, own) in normals.into_iter().zip(bend.by_normals) {
@@ -191,6 +195,41 @@ impl SpaceGaps<'_> {
             }
         }
         (rows, by_normals)
+    }
+
+    /// Second derivatives of parts by displacement unknowns: normals put in.
+    pub(super) fn bent(
+        &self,
+        parts: &[Part<'_>],
+        bend: &(dyn Fn(&Part<'_>) -> FaceBend + Sync),
+    ) -> Vec<Row> {
+        let (mut rows, by_normals) = self.raw_bend(parts, bend);
+        let normals = self.normal_rows();
+        self.put_in_with(&mut rows, &normals);
+        let of_normals = rows.split_off(self.unknowns);
+        for (k, own) in of_normals.into_iter().enumerate() {
+            for &(row, factor) in &normals[k / 3][k % 3] {
+                let entries = own.iter();
+                rows[row as usize].extend(entries.map(|&(column, one)| (column, factor * one)));
+            }
+        }
+        for (k, by_normal) in by_normals.into_iter().enumerate() {
+            if max_norm(by_normal) > 0.0 {
+                self.fan(k).add_bend(by_normal, &mut rows);
+            }
+        }
+        rows
+    }
+
+    /// Puts the motion of the normals into rows.
+    pub(super) fn put_in_all(&self, rows: &mut [Row]) {
+        self.put_in_with(rows, &self.normal_rows());
+    }
+
+    fn put_in_with(&self, rows: &mut [Row], normals: &[[Row; 3]]) {
+        parallel::each(Pieces::of(rows, 1), FEW, &|_, rows| {
+            rows.iter_mut().for_each(|row| self.put_in(row, normals));
+        });
     }
 
     fn add_bend(&self, bend: &FaceBend, rows: &mut [Row]) {
@@ -207,7 +246,7 @@ impl SpaceGaps<'_> {
 }
 
 /// Sums equal columns of a row that has grown to many times what was left of it before.
-fn shorten(row: &mut Row, settled: &mut usize) {
+pub(super) fn shorten(row: &mut Row, settled: &mut usize) {
     if row.len() > LONG * (1 + *settled) {
         add_equal_columns(row);
         *settled = row.len();
@@ -222,10 +261,7 @@ impl Gaps for SpaceGaps<'_> {
     fn derivatives(&self) -> Derivatives {
         let mut rows = self.raw_rows(self.placed.gradients());
         self.add_rims(&mut rows);
-        let normals = self.normal_rows();
-        parallel::each(Pieces::of(&mut rows, 1), FEW, &|_, rows| {
-            rows.iter_mut().for_each(|row| self.put_in(row, &normals));
-        });
+        self.put_in_all(&mut rows);
         Derivatives {
             values: self.values(),
             rows,
@@ -247,24 +283,14 @@ impl Gaps for SpaceGaps<'_> {
     }
 
     fn curvature(&self, factors: &[f64]) -> Vec<Row> {
-        let (mut rows, by_normals) = self.raw_bend(factors);
-        let normals = self.normal_rows();
-        parallel::each(Pieces::of(&mut rows, 1), FEW, &|_, rows| {
-            rows.iter_mut().for_each(|row| self.put_in(row, &normals));
-        });
-        let of_normals = rows.split_off(self.unknowns);
-        for (k, own) in of_normals.into_iter().enumerate() {
-            for &(row, factor) in &normals[k / 3][k % 3] {
-                let entries = own.iter();
-                rows[row as usize].extend(entries.map(|&(column, one)| (column, factor * one)));
-            }
-        }
-        for (k, by_normal) in by_normals.into_iter().enumerate() {
-            if max_norm(by_normal) > 0.0 {
-                self.fan(k).add_bend(by_normal, &mut rows);
-            }
-        }
-        rows
+        let of_face = |face: usize| self.functions[face].map(|k| factors[k as usize]);
+        let loaded = self.placed.meetings.iter();
+        let loaded =
+            loaded.filter(|meeting| of_face(meeting.face).iter().any(|factor| *factor != 0.0));
+        let parts: Vec<Part<'_>> = loaded.flat_map(parts).collect();
+        self.bent(&parts, &|part| {
+            self.placed.face_bend(part, of_face(part.meeting.face))
+        })
     }
 
     fn covered(&self) -> [Vec<f64>; 2] {
