@@ -55,7 +55,7 @@ pub(super) struct Point {
 pub(super) type Bend = [[Block; VECTORS]; VECTORS];
 
 /// v w'.
-fn outer(v: [f64; 3], w: [f64; 3]) -> Block {
+pub(super) fn outer(v: [f64; 3], w: [f64; 3]) -> Block {
     v.map(|v| w.map(|w| v * w))
 }
 
@@ -104,6 +104,16 @@ impl Point {
     /// |x_,1 x x_,2|.
     pub(super) fn area(&self) -> f64 {
         norm(cross(self.x[0], self.x[1]))
+    }
+
+    /// x_,1 and x_,2.
+    pub(super) fn tangents(&self) -> [[f64; 3]; 2] {
+        self.x
+    }
+
+    /// n.
+    pub(super) fn normal(&self) -> [f64; 3] {
+        self.n[0]
     }
 
     /// |n|.
@@ -303,7 +313,7 @@ fn transposed(block: Block) -> Block {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| block[j][i]))
 }
 
-fn add_times(sum: &mut Block, factor: f64, block: &Block) {
+pub(super) fn add_times(sum: &mut Block, factor: f64, block: &Block) {
     for (row, own) in sum.iter_mut().zip(block) {
         for (sum, own) in row.iter_mut().zip(own) {
             *sum += factor * own;
