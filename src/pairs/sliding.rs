@@ -5,14 +5,16 @@
 //! slip_j = S_j,   rows R_j (columns on both surfaces),   force of tractions - sum_j t_j R_j
 //! ```
 //!
-//! Shapes: `[multipliers]`, rows by displacement unknowns, non-dimensional. A linear body has R where
+//! Shapes: `[multipliers * tangents]`, one in the plane and about an axis, two in space, rows by
+//! displacement unknowns, non-dimensional. A linear body has R where
 //! it is at rest (`rest`) and S = R (u - u0). Functions without a partner have no slip and no row.
 
 use super::pair::Placed;
 use super::piece::NODES;
 use super::plane::{PlaneGaps, PlaneSides, unknowns};
 use super::slip::{Sliding, SlipPart};
-use super::surface::{PairSurface, free_matrix, keep_free, uncovered};
+use super::space::sliding::From;
+use super::surface::{PairSurface, Sides, free_matrix, keep_free, uncovered};
 use crate::contact::shares::add_equal_columns;
 use crate::contact::{ContactSurface, Deformed, Measure};
 use crate::linalg::SparseRows;
@@ -28,15 +30,25 @@ impl PairSurface {
             displacement: &moved,
             ..*body
         };
-        let rest = |placed: &Placed<'_>| placed.slips_at_rest();
-        self.sliding_at_rest = Some(self.sliding_of(&at, &rest, surface));
+        self.sliding_at_rest = Some(match &self.sides {
+            Sides::Plane(sides) => {
+                let rest = |placed: &Placed<'_>| placed.slips_at_rest();
+                sides.sliding_of(&at, &rest, surface)
+            }
+            Sides::Space(sides) => sides.sliding(&at, From::Rest, surface),
+        });
     }
 
     /// Slips since nodes were displaced by `start` `[displacement unknowns]`.
     pub fn sliding(&self, body: &Deformed<'_>, start: &[f64], surface: &ContactSurface) -> Sliding {
         let Some(rest) = &self.sliding_at_rest else {
-            let place = place_at(body, start);
-            return self.sliding_of(body, &|placed| placed.slid(&place), surface);
+            return match &self.sides {
+                Sides::Plane(sides) => {
+                    let place = place_at(body, start);
+                    sides.sliding_of(body, &|placed| placed.slid(&place), surface)
+                }
+                Sides::Space(sides) => sides.sliding(body, From::Start(start), surface),
+            };
         };
         let change = |row: &Row| -> f64 {
             let by = |&(k, value): &(u32, f64)| {
@@ -51,39 +63,7 @@ impl PairSurface {
         }
     }
 
-    /// Slips and rows of functions from what `parts` tells of the pieces.
-    fn sliding_of(
-        &self,
-        body: &Deformed<'_>,
-        parts: &dyn Fn(&Placed<'_>) -> Vec<SlipPart>,
-        surface: &ContactSurface,
-    ) -> Sliding {
-        let count = surface.carriers.len();
-        let Some(sides) = self.plane() else {
-            return Sliding::none(count);
-        };
-        sides.placed(body, |placed| {
-            let [mut slips, mut weights, mut x, mut y] = [0; 4].map(|_| vec![0.0; count]);
-            let mut rows: Vec<Row> = vec![Vec::new(); count];
-            for part in parts(placed) {
-                sides.add(part.face, part.slips, &mut slips);
-                sides.add(part.face, part.areas, &mut weights);
-                sides.add(part.face, part.tangents[0], &mut x);
-                sides.add(part.face, part.tangents[1], &mut y);
-                sides.add_rows((part.face, &part.nodes), &part.rows, &mut rows);
-            }
-            let shares = &surface.shares;
-            let [x, y] = [x, y].map(|own| shares.gather(own));
-            Sliding {
-                tangents: x.into_iter().zip(y).map(|(x, y)| [x, y]).collect(),
-                slips: shares.gather(slips),
-                weights: shares.gather(weights),
-                rows: sides.finished(rows, (placed, surface)),
-            }
-        })
-    }
-
-    /// dS `[multipliers]` without `held` columns; none of a linear body, whose rows are dS.
+    /// dS `[multipliers * tangents]` without `held` columns; none of a linear body, whose rows are dS.
     pub fn sliding_change(
         &self,
         (body, surface): (&Deformed<'_>, &ContactSurface),
@@ -93,21 +73,15 @@ impl PairSurface {
         if body.measure != Measure::Deformed {
             return None;
         }
-        let sides = self.plane()?;
-        let place = place_at(body, start);
-        let mut rows = sides.placed(body, |placed| {
-            let mut rows: Vec<Row> = vec![Vec::new(); surface.carriers.len()];
-            for part in placed.slips_first(&place) {
-                let own = part.gaps.map(|gap| gap.first);
-                sides.add_rows((part.face, &part.nodes), &own, &mut rows);
-            }
-            sides.finished(rows, (placed, surface))
-        });
+        let mut rows = match &self.sides {
+            Sides::Plane(sides) => sides.sliding_change((body, surface), start),
+            Sides::Space(sides) => sides.sliding_change((body, surface), start),
+        };
         rows.iter_mut().for_each(|row| keep_free(row, held));
         Some(rows)
     }
 
-    /// What `tractions` `[multipliers]` take off the stiffness, without `held` rows and columns; none
+    /// What `tractions` `[multipliers * tangents]` take off the stiffness, without `held` rows and columns; none
     /// of a linear body.
     pub fn traction_change(
         &self,
@@ -118,24 +92,57 @@ impl PairSurface {
         if body.measure != Measure::Deformed {
             return None;
         }
-        let sides = self.plane()?;
-        let coefficients = surface.shares.spread(tractions);
-        let factors: Vec<[f64; 3]> = sides.of_faces(&coefficients);
-        let mut rows: Vec<Row> = vec![Vec::new(); body.space.displacement_unknowns()];
-        sides.placed(body, |placed| {
-            for (nodes, change) in placed.traction_changes(&factors) {
-                let columns: Vec<u32> = unknowns(&nodes).collect();
-                for (&row, entries) in columns.iter().zip(change.iter()) {
-                    let own = columns.iter().copied().zip(entries.iter().copied());
-                    rows[row as usize].extend(own);
-                }
-            }
-        });
+        let rows = match &self.sides {
+            Sides::Plane(sides) => sides.traction_change((body, surface), tractions),
+            Sides::Space(sides) => sides.traction_change((body, surface), tractions),
+        };
         Some(free_matrix(rows, held))
+    }
+
+    /// Tangents of the multipliers where they are known without slips: of linear bodies, and in space.
+    pub fn frames(
+        &self,
+        body: &Deformed<'_>,
+        surface: &ContactSurface,
+    ) -> Option<Vec<[[f64; 3]; 2]>> {
+        match (&self.sliding_at_rest, &self.sides) {
+            (Some(rest), _) => Some(rest.frames.clone()),
+            (None, Sides::Plane(_)) => None,
+            (None, Sides::Space(sides)) => Some(sides.frames_at(body, surface)),
+        }
     }
 }
 
 impl PlaneSides {
+    /// Slips and rows of functions from what `parts` tells of the pieces.
+    fn sliding_of(
+        &self,
+        body: &Deformed<'_>,
+        parts: &dyn Fn(&Placed<'_>) -> Vec<SlipPart>,
+        surface: &ContactSurface,
+    ) -> Sliding {
+        let count = surface.carriers.len();
+        self.placed(body, |placed| {
+            let [mut slips, mut weights, mut x, mut y] = [0; 4].map(|_| vec![0.0; count]);
+            let mut rows: Vec<Row> = vec![Vec::new(); count];
+            for part in parts(placed) {
+                self.add(part.face, part.slips, &mut slips);
+                self.add(part.face, part.areas, &mut weights);
+                self.add(part.face, part.tangents[0], &mut x);
+                self.add(part.face, part.tangents[1], &mut y);
+                self.add_rows((part.face, &part.nodes), &part.rows, &mut rows);
+            }
+            let shares = &surface.shares;
+            let [x, y] = [x, y].map(|own| shares.gather(own));
+            Sliding {
+                frames: x.into_iter().zip(y).map(frame).collect(),
+                slips: shares.gather(slips),
+                weights: shares.gather(weights),
+                rows: self.finished(rows, (placed, surface)),
+            }
+        })
+    }
+
     /// Adds rows of the three functions of a face to those of all `[functions]`.
     fn add_rows<const N: usize>(
         &self,
@@ -147,6 +154,44 @@ impl PlaneSides {
             let entries = unknowns(nodes).zip(own.iter().copied());
             rows[function as usize].extend(entries);
         }
+    }
+
+    /// dS `[multipliers]`.
+    fn sliding_change(
+        &self,
+        (body, surface): (&Deformed<'_>, &ContactSurface),
+        start: &[f64],
+    ) -> Vec<Row> {
+        let place = place_at(body, start);
+        self.placed(body, |placed| {
+            let mut rows: Vec<Row> = vec![Vec::new(); surface.carriers.len()];
+            for part in placed.slips_first(&place) {
+                let own = part.gaps.map(|gap| gap.first);
+                self.add_rows((part.face, &part.nodes), &own, &mut rows);
+            }
+            self.finished(rows, (placed, surface))
+        })
+    }
+
+    /// Rows of what `tractions` `[multipliers]` take off the stiffness.
+    fn traction_change(
+        &self,
+        (body, surface): (&Deformed<'_>, &ContactSurface),
+        tractions: &[f64],
+    ) -> Vec<Row> {
+        let coefficients = surface.shares.spread(tractions);
+        let factors: Vec<[f64; 3]> = self.of_faces(&coefficients);
+        let mut rows: Vec<Row> = vec![Vec::new(); body.space.displacement_unknowns()];
+        self.placed(body, |placed| {
+            for (nodes, change) in placed.traction_changes(&factors) {
+                let columns: Vec<u32> = unknowns(&nodes).collect();
+                for (&row, entries) in columns.iter().zip(change.iter()) {
+                    let own = columns.iter().copied().zip(entries.iter().copied());
+                    rows[row as usize].extend(own);
+                }
+            }
+        });
+        rows
     }
 
     /// Rows of the multipliers; nothing in those without a partner.
@@ -173,6 +218,17 @@ impl PlaneSides {
         }
         rows
     }
+}
+
+/// The unit tangent of a mean one.
+fn frame((x, y): (f64, f64)) -> [[f64; 3]; 2] {
+    let size = x.hypot(y);
+    let along = if size > 0.0 {
+        [x / size, y / size, 0.0]
+    } else {
+        [0.0; 3]
+    };
+    [along, [0.0; 3]]
 }
 
 /// Where nodes are that `start` displaces.

@@ -54,26 +54,14 @@ pub struct SlipPart {
 /// Slips and what tractions act on.
 #[derive(Clone, Debug, Default)]
 pub struct Sliding {
-    /// S `[multipliers]`.
+    /// S `[multipliers * tangents]`, one tangent in the plane, two in space.
     pub slips: Vec<f64>,
     /// int psi da over what has a partner `[multipliers]`.
     pub weights: Vec<f64>,
-    /// int psi t da `[multipliers]`.
-    pub tangents: Vec<[f64; 2]>,
-    /// R `[multipliers]`, columns of all unknowns.
+    /// Unit tangents of the carrier `[multipliers]`; zero where there is none.
+    pub frames: Vec<[[f64; 3]; 2]>,
+    /// R `[multipliers * tangents]`, columns of all unknowns.
     pub rows: Vec<Vec<(u32, f64)>>,
-}
-
-impl Sliding {
-    /// No slips of `count` multipliers.
-    pub(super) fn none(count: usize) -> Self {
-        Self {
-            slips: vec![0.0; count],
-            weights: vec![0.0; count],
-            tangents: vec![[0.0; 2]; count],
-            rows: vec![Vec::new(); count],
-        }
-    }
 }
 
 /// What tractions of a piece take off the stiffness `[force][motion]`.

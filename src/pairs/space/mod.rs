@@ -28,14 +28,18 @@
 //! | `rims` | what lines beyond rims add to derivatives |
 //! | `kinks` | what borders between pieces add to second derivatives |
 //! | `bends` | second derivatives of a face |
+//! | `slips` | how far a face has slid, and what tractions do |
+//! | `frames` | tangents of functions |
 //! | [`pair`] | gaps of two surfaces, where they are |
 //! | [`sides`] | both sides of a contact |
 //! | `sums` | gaps, coupling and curvature by unknowns |
+//! | `sliding` | slips and what tractions do by multipliers |
 //! | [`probing`] | what is told of points |
 
 mod bends;
 mod beyond;
 pub mod choice;
+pub(super) mod frames;
 mod kinks;
 pub mod normals;
 pub mod outline;
@@ -47,6 +51,8 @@ pub mod rays;
 mod rims;
 pub mod sides;
 pub mod skin;
+pub(super) mod sliding;
+mod slips;
 pub(super) mod sums;
 
 pub use pair::{Meeting, Pair, Placed};

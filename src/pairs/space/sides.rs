@@ -3,6 +3,7 @@
 //! Shapes: of each face of the carrier the functions of its corners and edges, in the order that turns
 //! its normal out of the body. Cost: see [`super::pair`].
 
+use super::frames::{Home, homes};
 use super::pair::{Pair, Placed};
 use super::patch::NODES;
 use super::probing::Probing;
@@ -17,6 +18,8 @@ pub struct SpaceSides {
     pub(in crate::pairs) pair: Pair,
     /// Functions of each face of the carrier `[faces]`.
     functions: Vec<[u32; NODES]>,
+    /// What tangents of the functions follow `[functions]`.
+    homes: Vec<Home>,
 }
 
 impl SpaceSides {
@@ -42,10 +45,18 @@ impl SpaceSides {
             };
             order.map(function)
         });
+        let functions: Vec<[u32; NODES]> = functions.collect();
+        let count = surface.carriers.len();
         Self {
-            functions: functions.collect(),
+            homes: homes(ground, [&pair.carrier, &pair.other], (&functions, count)),
+            functions,
             pair,
         }
+    }
+
+    /// What tangents of a function follow.
+    pub(super) fn home(&self, function: u32) -> &Home {
+        &self.homes[function as usize]
     }
 
     fn placed(&self, body: &Deformed<'_>) -> Placed<'_> {

@@ -19,6 +19,7 @@ use crate::geometry::vector3::{add, cross, dot, norm, scale};
 use crate::pairs::between::Gaps;
 
 mod rims;
+mod slips;
 
 /// Numbers in \[-1, 1\] that follow each other without order.
 fn scattered(k: usize) -> f64 {

@@ -55,7 +55,7 @@ fn plate(
 }
 
 /// A small plate above a wide one that carries, with the places of the nodes.
-fn plates(open: f64, rough: f64) -> Bodies {
+pub(super) fn plates(open: f64, rough: f64) -> Bodies {
     let mut places = Vec::new();
     let carrier = plate((3, 1.0), ([0.0; 3], 1.0), rough, &mut places);
     let other = plate((2, -1.0), ([0.27, 0.31, open], 0.4), rough, &mut places);
