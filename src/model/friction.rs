@@ -302,8 +302,12 @@ impl Friction {
             .map(|((frame, travel), &weight)| (frame.map(|t| dot(t, travel)), weight))
             .collect();
         for own in self.between(model, state) {
-            let along = own.sliding.slips.iter().zip(&own.sliding.weights);
-            ways.extend(along.map(|(&slip, &weight)| ([slip, 0.0], weight)));
+            let slips = own.sliding.slips.chunks_exact(self.components.count());
+            let along = slips.zip(&own.sliding.weights);
+            ways.extend(along.map(|(slip, &weight)| {
+                let second = slip.get(1).copied().unwrap_or(0.0);
+                ([slip[0], second], weight)
+            }));
         }
         ways
     }

@@ -11,9 +11,11 @@
 //! have what they are at rest for good. Cost: one search of partners an increment.
 
 use super::Model;
-use super::friction::Friction;
+use super::friction::{Frame, Friction};
 use super::interfaces::{Interface, Interfaces};
 use super::state::State;
+use crate::contact::Deformed;
+use crate::geometry::vector3::dot;
 use crate::pairs::Support;
 use crate::saddle::Status;
 
@@ -75,7 +77,7 @@ pub(crate) fn lend_anew(base: &Model<'_>, state: &mut State) -> bool {
         }
     }
     if let Some(friction) = &base.interfaces.friction {
-        rub(friction, [before, after], &from, state);
+        rub(friction, [before, after], (base, &from), state);
     }
     true
 }
@@ -109,29 +111,63 @@ fn press(both: [&Interface; 2], from: &State, (state, supports): (&mut State, &[
 }
 
 /// Moves the tractions of contacts between bodies, and what no slip explains.
-fn rub(friction: &Friction, [before, after]: [&Interfaces; 2], from: &State, state: &mut State) {
+fn rub(
+    friction: &Friction,
+    all: [&Interfaces; 2],
+    (base, from): (&Model<'_>, &State),
+    state: &mut State,
+) {
+    let width = friction.components.count();
     for own in &friction.pairs {
-        let [old, new] = [before, after].map(|all| &all.list[own.interface]);
-        let places = own.points.clone().map(|point| friction.first + point);
-        let tractions: Vec<f64> = places.clone().map(|place| from.multiplier[place]).collect();
-        let tractions = carried([old, new], &tractions);
+        let both = all.map(|all| &all.list[own.interface]);
+        let [old, new] = both;
+        let places = friction.tractions_of(&own.points);
+        let frames = frames(both, &base.deformed(&from.displacement));
+        let tractions = moved(both, &frames, &from.multiplier[places.clone()]);
         let means = own.points.clone().zip(&old.surface.weights);
         let means: Vec<f64> = means
-            .map(|(point, weight)| from.slip.residue[3 * point] / weight)
+            .flat_map(|(point, weight)| {
+                let residue = &from.slip.residue[3 * point..3 * point + width];
+                residue.iter().map(move |residue| residue / weight)
+            })
             .collect();
-        let means = carried([old, new], &means);
+        let means = moved(both, &frames, &means);
         let pressures = new.own(&state.multiplier).into_owned();
-        for (m, place) in places.enumerate() {
+        for (k, place) in places.enumerate() {
+            let (m, axis) = (k / width, k % width);
             let is_pressed = pressures[m] > 0.0;
             let status = &mut state.status[place];
-            state.multiplier[place] = if is_pressed { tractions[m] } else { 0.0 };
+            state.multiplier[place] = if is_pressed { tractions[k] } else { 0.0 };
             *status = match (is_pressed, *status) {
                 (false, _) => Status::Open,
                 (true, Status::Open) => Status::Stick,
                 (true, status) => status,
             };
             let point = own.points.start + m;
-            state.slip.residue[3 * point] = means[m] * new.surface.weights[m];
+            state.slip.residue[3 * point + axis] = means[k] * new.surface.weights[m];
         }
     }
+}
+
+/// Tangents of the multipliers of both in space; none in the plane.
+fn frames(both: [&Interface; 2], body: &Deformed<'_>) -> Option<[Vec<Frame>; 2]> {
+    let [old, new] = both.map(|one| one.pair()?.frames(body, &one.surface));
+    Some([old?, new?])
+}
+
+/// Values along tangents of the multipliers of `new`, from those of `old`, as vectors in space.
+fn moved(both: [&Interface; 2], frames: &Option<[Vec<Frame>; 2]>, values: &[f64]) -> Vec<f64> {
+    let Some([old, new]) = frames else {
+        return carried(both, values);
+    };
+    let axes = [0, 1, 2].map(|i: usize| {
+        let pairs = old.iter().zip(values.chunks_exact(2));
+        let along = pairs.map(|(frame, own)| own[0] * frame[0][i] + own[1] * frame[1][i]);
+        carried(both, &along.collect::<Vec<f64>>())
+    });
+    let vector = |m: usize| [0, 1, 2].map(|i: usize| axes[i][m]);
+    let along = new.iter().enumerate();
+    along
+        .flat_map(|(m, frame)| frame.map(|tangent| dot(tangent, vector(m))))
+        .collect()
 }

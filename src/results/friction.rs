@@ -93,18 +93,19 @@ pub(crate) fn add_friction_between(
         let (Some(planned), Some(result)) = (planned, results.get_mut(name)) else {
             continue;
         };
-        let tractions = own.points.clone().map(|point| friction.first + point);
-        let tractions: Vec<f64> = tractions.map(|m| state.multiplier[m]).collect();
+        let tractions = &state.multiplier[friction.tractions_of(&own.points)];
         let sliding = (own.surface, &own.sliding);
-        let forces = own.pair.forces_of_tractions(&body, sliding, &tractions);
+        let forces = own.pair.forces_of_tractions(&body, sliding, tractions);
         let (force, moment) = if planned.first_carries() {
             (forces.on_carrier, forces.moment)
         } else {
             (forces.on_other, forces.other_moment)
         };
         let mut done = ObstacleResult::default();
-        for (number, traction) in own.points.clone().zip(&tractions) {
-            let margin = 1.0 - traction.abs() / radii[number];
+        let tractions = tractions.chunks_exact(friction.components.count());
+        for (number, traction) in own.points.clone().zip(tractions) {
+            let size = traction.iter().fold(0.0, |size: f64, t| size.hypot(*t));
+            let margin = 1.0 - size / radii[number];
             count(&mut done, friction, (number, margin), state);
             let travel = &state.slip.travel[3 * number..3 * number + 3];
             let slip = travel.iter().fold(0.0, |sum: f64, x| sum.hypot(*x)) * units.length;

@@ -94,17 +94,23 @@ fn between_bodies((model, state): (&Model<'_>, &State), force: &mut [[f64; 3]]) 
     let mut pushed = vec![0.0; state.displacement.len()];
     let mut slid = Vec::new();
     for own in friction.between(model, state) {
-        let tractions = &state.multiplier[friction.first..][own.points.clone()];
+        let tractions = &state.multiplier[friction.tractions_of(&own.points)];
         let rows = own.sliding.rows.iter();
         for (row, traction) in rows.clone().zip(tractions) {
             for &(unknown, value) in row {
                 pushed[unknown as usize] += value * traction * units.force();
             }
         }
+        let width = friction.components.count();
         let slips = own.sliding.slips.iter().zip(rows);
-        for ((&slip, row), frame) in slips.zip(&frames[own.points]) {
-            let slip = if row.is_empty() { 0.0 } else { slip };
-            slid.push(scale(units.length * units.area() * slip, frame[0]));
+        let slips: Vec<f64> = slips
+            .map(|(&slip, row)| if row.is_empty() { 0.0 } else { slip })
+            .collect();
+        for (slips, frame) in slips.chunks_exact(width).zip(&frames[own.points]) {
+            let along = slips.iter().zip(frame);
+            slid.push(along.fold([0.0; 3], |sum, (slip, tangent)| {
+                add(sum, scale(units.length * units.area() * slip, *tangent))
+            }));
         }
     }
     let space = &model.prepared.space;

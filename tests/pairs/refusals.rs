@@ -88,32 +88,6 @@ fn names_and_groups_of_contacts_are_checked() {
 }
 
 #[test]
-fn friction_between_bodies_in_space_is_refused_by_its_key() {
-    let parts = super::space::blocks([1; 3], [1; 3]);
-    let mut scene = Scene {
-        supports: vec![
-            support("low_z0", [Some(0.0); 3]),
-            support("up_z1", [Some(0.0); 3]),
-        ],
-        contacts: between("up_z0", "low_z1"),
-        ..linear([("low_body", 1.0), ("up_body", 2.0)])
-    };
-    let mesh = mesh(parts);
-    assert!(Plan::new(&scene, &[], &mesh).is_ok());
-    scene.contacts[0].friction = 0.3;
-    let error = Plan::new(&scene, &[], &mesh).expect_err("a fault");
-    let SceneError::Unsupported(one) = error else {
-        panic!("{error:?}");
-    };
-    assert_eq!(one.path, "contact.pair.friction");
-    assert!(
-        one.message.contains("in space is not solved yet"),
-        "{}",
-        one.message
-    );
-}
-
-#[test]
 fn a_body_that_no_contact_can_hold_is_refused() {
     let (path, message) = fault(|scene| {
         scene.supports.pop();

@@ -1,7 +1,7 @@
 //! Points of friction between bodies: slips along the other body's surface ([`crate::pairs::sliding`]).
 //!
 //! Their points stand after those of obstacles, contact by contact. What no slip explains of a way is
-//! a number along the surface, so that it turns with the bodies. Cost: see [`crate::pairs::slip`].
+//! one or two numbers along the surface, so that it turns with the bodies. Cost: see [`crate::pairs::slip`].
 
 use std::ops::Range;
 
@@ -42,42 +42,53 @@ pub(crate) struct Between<'a> {
 impl Friction {
     /// The frictional contacts between bodies with their slips since the increment began.
     pub(crate) fn between<'a>(&self, model: &Model<'a>, state: &State) -> Vec<Between<'a>> {
+        let pairs = self.pairs.iter();
+        pairs
+            .filter_map(|own| self.of_pair(own, (model, state)))
+            .collect()
+    }
+
+    fn of_pair<'a>(
+        &self,
+        own: &PairPoints,
+        (model, state): (&Model<'a>, &State),
+    ) -> Option<Between<'a>> {
         let body = model.deformed(&state.displacement);
         let start = model.conditions.slip_start.as_ref();
         let from = start.map_or(&state.displacement[..], |start| start.displacement());
-        let one = |own: &PairPoints| {
-            let interface = &model.interfaces.list[own.interface];
-            let pair = interface.pair()?;
-            let mut sliding = pair.sliding(&body, from, &interface.surface);
-            for (place, slip) in sliding.slips.iter_mut().enumerate() {
-                let residue = start.map(|start| start.residue()[own.points.start + place][0]);
-                *slip = residue.map_or(0.0, |residue| *slip + residue);
-            }
-            Some(Between {
-                points: own.points.clone(),
-                name: &interface.name,
-                surface: &interface.surface,
-                pair,
-                sliding,
-            })
-        };
-        self.pairs.iter().filter_map(one).collect()
+        let width = self.components.count();
+        let interface = &model.interfaces.list[own.interface];
+        let pair = interface.pair()?;
+        let mut sliding = pair.sliding(&body, from, &interface.surface);
+        for (place, slip) in sliding.slips.iter_mut().enumerate() {
+            let (point, along) = (own.points.start + place / width, place % width);
+            let residue = start.map(|start| start.residue()[point][along]);
+            *slip = residue.map_or(0.0, |residue| *slip + residue);
+        }
+        Some(Between {
+            points: own.points.clone(),
+            name: &interface.name,
+            surface: &interface.surface,
+            pair,
+            sliding,
+        })
+    }
+
+    /// Where the tractions of points are among all multipliers.
+    pub(crate) fn tractions_of(&self, points: &Range<usize>) -> Range<usize> {
+        let width = self.components.count();
+        self.first + points.start * width..self.first + points.end * width
     }
 
     /// Tangents of the carriers at the points of all frictional contacts between bodies.
     pub(super) fn frames_between(&self, model: &Model<'_>, state: &State) -> Vec<Frame> {
-        let all = self.between(model, state);
-        let tangents = all.iter().flat_map(|own| &own.sliding.tangents);
-        let frame = |&[x, y]: &[f64; 2]| {
-            let size = x.hypot(y);
-            let along = if size > 0.0 {
-                [x / size, y / size, 0.0]
-            } else {
-                [0.0; 3]
-            };
-            [along, [0.0; 3]]
+        let body = model.deformed(&state.displacement);
+        let of_pair = |own: &PairPoints| {
+            let interface = &model.interfaces.list[own.interface];
+            let known = interface.pair()?.frames(&body, &interface.surface);
+            known.or_else(|| Some(self.of_pair(own, (model, state))?.sliding.frames))
         };
-        tangents.map(frame).collect()
+        self.pairs.iter().filter_map(of_pair).flatten().collect()
     }
 
     /// Adds slips and their rows, columns of `held` unknowns left out.
@@ -116,17 +127,16 @@ impl Friction {
         let mut geometric: Option<SparseRows> = None;
         for own in self.between(model, state) {
             let surface = own.surface;
-            let places = own.points.clone().map(|point| self.first + point);
-            let places: Vec<usize> = places.collect();
+            let places = self.tractions_of(&own.points);
             let changes = own.pair.sliding_change((&body, surface), from, held);
             let pairs = changes.into_iter().flatten().zip(&own.sliding.rows);
-            for (&place, (change, row)) in places.iter().zip(pairs) {
+            for (place, (change, row)) in places.clone().zip(pairs) {
                 rows[place] = negative(&change, held);
                 rows[place].extend(negative(row, held).iter().map(|&(k, value)| (k, -value)));
                 add_equal_columns(&mut rows[place]);
             }
-            let tractions: Vec<f64> = places.iter().map(|&m| state.multiplier[m]).collect();
-            let change = own.pair.traction_change(&body, (surface, &tractions), held);
+            let tractions = &state.multiplier[places];
+            let change = own.pair.traction_change(&body, (surface, tractions), held);
             geometric = match (geometric, change) {
                 (Some(all), Some(own)) => Some(all.plus(&own)),
                 (all, own) => all.or(own),

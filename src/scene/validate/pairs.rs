@@ -91,9 +91,6 @@ fn refuse(scene: &Scene, kind: SceneKind, faults: &mut Faults) {
         let message = "of contacts between bodies pressures are quadratic: leave out `linear`";
         faults.add("solver.contact_space", message);
     }
-    if kind == SceneKind::Solid {
-        refuse_friction(scene, faults);
-    }
     if scene.manufactured.is_some() {
         let message = "stands beside a manufactured field, which brings its own loads";
         faults.add("contact", message);
@@ -101,22 +98,6 @@ fn refuse(scene: &Scene, kind: SceneKind, faults: &mut Faults) {
     let flows = |model: &MaterialModel| matches!(model, MaterialModel::Stokes { .. });
     if scene.materials.iter().any(|one| flows(&one.model)) {
         faults.add("contact", "a flow has velocities, which close no gap");
-    }
-}
-
-/// Slips between bodies are numbers along a line; in space they would be vectors in a surface.
-fn refuse_friction(scene: &Scene, faults: &mut Faults) {
-    let keys = scene.contacts.iter().filter_map(|contact| {
-        let key = match (contact.friction > 0.0, contact.tresca.is_some()) {
-            (true, _) => "friction",
-            (false, true) => "tresca",
-            (false, false) => return None,
-        };
-        Some(format!("contact.{}.{key}", contact.name))
-    });
-    for path in keys {
-        let message = "friction between bodies in space is not solved yet, contact without it is";
-        faults.unsupported(path, message);
     }
 }
 

@@ -9,8 +9,8 @@ use signorini::{Mesh, Scene, Step};
 use crate::common::meshes::{half_space, moved};
 use crate::common::rounded::offsets;
 use crate::common::scenes::support;
-use crate::common::{close, solve_one};
-use crate::scenes::{between, joined, linear};
+use crate::common::{assert_converged, close, solve, solve_one};
+use crate::scenes::{between, joined, linear, linear_of};
 
 /// A point of a half-space given the surface of a ball of radius one, of a parabola near the pole.
 fn rounded([x, y, z]: [f64; 3]) -> [f64; 3] {
@@ -21,7 +21,12 @@ fn rounded([x, y, z]: [f64; 3]) -> [f64; 3] {
 
 /// Quarters of what stands for two balls, one `gap` below the other; groups `low_` and `up_`.
 fn mesh(counts: [usize; 2], gap: f64) -> Arc<Mesh> {
-    let [low, up] = counts.map(|count| half_space(3, count, 4.0, &[0, 1]));
+    parts_of(counts, gap, &[0, 1])
+}
+
+/// The same, parts to one side only along the axes of `half`.
+fn parts_of(counts: [usize; 2], gap: f64, half: &[usize]) -> Arc<Mesh> {
+    let [low, up] = counts.map(|count| half_space(3, count, 4.0, half));
     let straight = joined(&[("low_", low.clone()), ("up_", up.clone())]);
     let first = low.coordinates.len();
     let place = |x: [f64; 3], is_low: bool| {
@@ -123,4 +128,57 @@ fn two_balls_press_as_hertz_has_it() {
     assert!(close(found[1], 1.0, 0.03), "{found:?}");
     // Five facets are on the radius.
     assert!(close(found[2], 1.0, 0.2), "{found:?}");
+}
+
+/// Halves of balls without lateral strain, pressed as far as Hertz has a radius of .095 of contact, then
+/// pushed across by `way`: force and push of whole balls.
+fn pushed(friction: f64, way: f64) -> [f64; 2] {
+    let mut scene = Scene {
+        supports: vec![
+            support("low_z0", [Some(0.0); 3]),
+            support("up_z0", [Some(0.0); 3]),
+            support("low_y0", [None, Some(0.0), None]),
+            support("up_y0", [None, Some(0.0), None]),
+        ],
+        contacts: between("up_z1", "low_z1"),
+        ..linear_of(0.0, [("low_body", 1.0), ("up_body", 1.0)])
+    };
+    scene.contacts[0].friction = friction;
+    let target = |name: &str, [across, up]: [f64; 2]| SupportTarget {
+        name: name.to_owned(),
+        displacement: [Some(across), Some(0.0), Some(up)],
+        ..SupportTarget::default()
+    };
+    let step = |across: f64| Step {
+        supports: vec![
+            target("up_z0", [0.5 * across, -0.009]),
+            target("low_z0", [-0.5 * across, 0.009]),
+        ],
+        ..Step::default()
+    };
+    let steps = [step(0.0), step(0.5 * way), step(way)];
+    let reports = solve(&scene, &steps, &parts_of([5, 6], 0.0, &[1]));
+    reports.iter().for_each(assert_converged);
+    let contact = &reports[2].contacts["pair"];
+    if friction < 1.0 {
+        let found = contact.friction.expect("friction");
+        assert!(found.stick_vertices > 0 && found.slip_vertices > 0);
+        assert!(found.dissipated_total > 0.0);
+    }
+    [contact.force[2], contact.force[0].abs()].map(|force| 2.0 * force)
+}
+
+/// What the bodies give far from the contact is left out by a push at which all sticks.
+#[test]
+fn two_balls_that_are_pushed_across_give_way_as_mindlin_has_it() {
+    let (friction, way) = (0.3, 0.006);
+    let ([load, push], [_, whole]) = (pushed(friction, way), pushed(1e3, way));
+    let [modulus, radius] = [1.0, 0.5];
+    let half_width = (0.75 * load * radius / modulus).cbrt();
+    let part = push / (friction * load);
+    let all_sticks = 0.5 * push / half_width;
+    let told = 0.75 * friction * load / half_width * (1.0 - (1.0 - part).powf(2.0 / 3.0));
+    let found = way * (1.0 - push / whole) + all_sticks;
+    assert!(part > 0.3 && part < 0.8, "{part}");
+    assert!(close(found, told, 0.03), "{found} {told}");
 }

@@ -3,6 +3,7 @@
 mod balls;
 mod boxes;
 mod edges;
+mod friction;
 mod mirrors;
 mod patches;
 mod turns;
