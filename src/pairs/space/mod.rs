@@ -25,7 +25,7 @@
 //! | [`choice`] | the pieces of a face |
 //! | [`point`] | the gap at a point and its derivatives |
 //! | `beyond` | where a surface goes on to beyond its rims |
-//! | `rims` | what lines beyond rims add to derivatives |
+//! | `rims`, `rim_slips` | what lines beyond rims add to derivatives, and to slips |
 //! | `kinks` | what borders between pieces add to second derivatives |
 //! | `bends` | second derivatives of a face |
 //! | `slips` | how far a face has slid, and what tractions do |
@@ -48,6 +48,7 @@ pub mod patch;
 pub mod point;
 pub mod probing;
 pub mod rays;
+mod rim_slips;
 mod rims;
 pub mod sides;
 pub mod skin;

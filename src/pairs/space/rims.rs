@@ -21,45 +21,34 @@ use super::pair::Placed;
 use super::patch::{At, NODES, bernstein, values};
 use super::point::{OTHER, Point};
 use super::rays::Rayed;
-use super::slips::{Before, pull_at};
 use crate::element::quadrature::{Simplex, rule};
 use crate::geometry::vector3::{add, cross, dot, scale, sub};
 
 /// Degree of the rule along a line.
 const DEGREE: u32 = 9;
 /// Vectors that w depends on: those of the face, and three nodes each of both ends of the line.
-const VECTORS: usize = OTHER + 6;
+pub(super) const VECTORS: usize = OTHER + 6;
 /// Lines along which rays run are left out: cosines below this.
 const ALONG: f64 = 1e-9;
 
 /// A point of such a line.
 pub(super) struct RimPoint {
-    site: Site,
+    pub(super) site: Site,
     /// What its ray has swept on the face of the partner.
-    point: Point,
+    pub(super) point: Point,
     /// w by vectors.
     pub(super) motion: [(Vector, [f64; 3]); VECTORS],
 }
 
 /// Where on a line.
 #[derive(Clone, Copy)]
-struct Site {
+pub(super) struct Site {
     /// Place on the face.
-    at: At,
+    pub(super) at: At,
     /// t.
     along: At,
     /// Weight along the line.
-    weight: f64,
-}
-
-/// What a point adds to the change of forces of tractions: factor p q.
-pub(super) struct RimPull {
-    /// p, the force there by vectors.
-    pub(super) force: Vec<(Vector, [f64; 3])>,
-    /// q.
-    pub(super) motion: [(Vector, [f64; 3]); VECTORS],
-    /// Factor.
-    pub(super) factor: f64,
+    pub(super) weight: f64,
 }
 
 /// What a point adds to second derivatives: factor (p q + q p).
@@ -163,27 +152,6 @@ impl RimPoint {
     pub(super) fn swept(&self) -> [f64; NODES] {
         let swept = self.site.weight * self.point.swept();
         bernstein(self.site.at).map(|value| value * swept)
-    }
-
-    /// Weight times what has slid there since `before`, by the functions of the face.
-    pub(super) fn slid(&self, both: [usize; 2], before: &Before) -> [[f64; 3]; NODES] {
-        let factor = self.site.weight * self.point.area();
-        let slid = scale(factor, before.slid(both, &self.point));
-        bernstein(self.site.at).map(|value| scale(value, slid))
-    }
-
-    /// What it adds to the change of forces of tractions.
-    pub(super) fn pull(
-        self,
-        placed: &Placed<'_>,
-        (face, piece): (usize, &Piece),
-        tractions: &[[f64; 3]; NODES],
-    ) -> RimPull {
-        RimPull {
-            force: pull_at(&self.point, placed.vectors(face, piece), tractions),
-            motion: self.motion,
-            factor: self.site.weight,
-        }
     }
 
     /// What it adds to second derivatives of sum_j factor_j G_j.

@@ -237,7 +237,7 @@ impl SpaceSides {
                 else {
                     continue;
                 };
-                if [s1, s2] == [0.0; 2] {
+                if s1 == 0.0 && s2 == 0.0 {
                     continue;
                 }
                 let home = HomeAt::new(self.home(k), patches);
@@ -329,7 +329,7 @@ fn projected(
     let mut all = Vec::with_capacity(TANGENTS * frames.len());
     for (m, (frame, far)) in frames.iter().zip(&far).enumerate() {
         for tangent in frame {
-            let is_any = far.is_none() && *tangent != [0.0; 3];
+            let is_any = far.is_none() && tangent.iter().any(|part| *part != 0.0);
             let parts = axes.iter().zip(tangent).filter(|_| is_any);
             let mut row: Row = parts
                 .flat_map(|(rows, factor)| rows[m].iter().map(move |&(k, x)| (k, factor * x)))

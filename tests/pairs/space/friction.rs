@@ -15,11 +15,11 @@ use crate::scenes::{between, joined, linear_of, rubber};
 const HELD: [Option<f64>; 3] = [Some(0.0); 3];
 
 /// A low block on a wide one, whose meshes do not match and have no common direction.
-fn block_on_block() -> Arc<Mesh> {
+fn block_on_block(cells: [usize; 3]) -> Arc<Mesh> {
     let low = moved(irregular(unit_box([4, 4, 1]), 4), |[x, y, z]| {
         [2.0 * x - 0.9, 2.0 * y - 1.1, 0.5 * (z - 1.0)]
     });
-    let up = moved(unit_box([2, 3, 1]), |[x, y, z]| {
+    let up = moved(unit_box(cells), |[x, y, z]| {
         let (sine, cosine) = 0.3_f64.sin_cos();
         let [x, y] = [x - 0.5, y - 0.5];
         [cosine * x - sine * y, sine * x + cosine * y, 0.4 * z]
@@ -45,7 +45,7 @@ fn pulled(scene: Scene, pull: f64, [friction, tresca]: [Option<f64>; 2]) -> Step
     scene.contacts[0].friction = friction.unwrap_or(0.0);
     scene.contacts[0].tresca = tresca;
     scene.solver.tolerance = 1e-10;
-    solve(&scene, &[Step::default()], &block_on_block()).remove(0)
+    solve(&scene, &[Step::default()], &block_on_block([2, 3, 1])).remove(0)
 }
 
 /// Sticks a millionth below the `limit` and slides a millionth above.
@@ -75,7 +75,8 @@ fn a_block_on_a_block_in_space_sticks_just_below_its_bound_and_slides_just_above
     check_limit(&scene, 0.05, [None, Some(0.05)]);
 }
 
-/// A block of rubber pressed and pushed along a stiff block, or along a plane in its place.
+/// A block of rubber pressed and pushed along a stiff block, or along a plane in its place. Where the sole opens
+/// at its corners its rays tilt, and tractions with them: in cells twice as large ten times as much.
 fn pushed(is_pair: bool) -> Vec<StepReport> {
     let [x, y] = direction();
     let law = rubber([("low_body", 1e6), ("up_body", 1.0)], None);
@@ -88,13 +89,13 @@ fn pushed(is_pair: bool) -> Vec<StepReport> {
         scene.supports.push(support("low_z0", HELD));
         scene.contacts = between("up_z0", "low_z1");
         scene.contacts[0].friction = 0.3;
-        block_on_block()
+        block_on_block([4, 6, 2])
     } else {
         scene.materials.remove(0);
         let mut floor = obstacle("pair", "up_z0", plane([0.0; 3], [0.0, 0.0, 1.0]));
         floor.friction = 0.3;
         scene.obstacles = vec![floor];
-        let up = moved(unit_box([2, 3, 1]), |[x, y, z]| {
+        let up = moved(unit_box([4, 6, 2]), |[x, y, z]| {
             let (sine, cosine) = 0.3_f64.sin_cos();
             let [x, y] = [x - 0.5, y - 0.5];
             [cosine * x - sine * y, sine * x + cosine * y, 0.4 * z]
@@ -115,10 +116,10 @@ fn a_block_pushed_along_a_stiff_block_in_space_is_the_block_pushed_along_a_plane
         let friction = found.friction.expect("friction");
         for i in 0..3 {
             let miss = (found.force[i] - expected.force[i]).abs();
-            assert!(miss < 1e-5 * expected.force[2], "{:?}", found.force);
+            assert!(miss < 1e-4 * expected.force[2], "{:?}", found.force);
         }
         let [found, expected] = [friction.dissipated_total, expected.dissipated_total];
-        assert!(close(found, expected, 2e-5), "{found} {expected}");
+        assert!(close(found, expected, 5e-4), "{found} {expected}");
         let counts = [friction.stick_vertices, friction.slip_vertices];
         let tool = &tool.obstacles["pair"];
         assert_eq!(counts, [tool.stick_vertices, tool.slip_vertices]);
@@ -155,7 +156,7 @@ fn bodies_that_turn_together_about_a_skew_axis_slip_by_nothing() {
         ..Step::default()
     };
     let steps = [step([0.0; 3], way), step(axis, turned(way, axis))];
-    let reports = solve(&scene, &steps, &block_on_block());
+    let reports = solve(&scene, &steps, &block_on_block([2, 3, 1]));
     reports.iter().for_each(assert_converged);
     let [before, after] = [&reports[0], &reports[1]].map(|report| &report.contacts["pair"]);
     let expected = turned(before.force, axis);
@@ -178,7 +179,7 @@ fn taken_up(threads: usize) -> Vec<u8> {
     scene.contacts[0].friction = 0.3;
     let [x, y] = direction();
     let to = |way: f64| pull("up_z1", [Some(way * x), Some(way * y), Some(-0.04)], 1);
-    let mesh = block_on_block();
+    let mesh = block_on_block([2, 3, 1]);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.expect("a pool").install(|| {
         let mut session = open(&scene, &mesh);
