@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use super::{Plan, estimate};
 use crate::linalg::cholesky::Precision;
 use crate::report::Unknowns;
-use crate::scene::{Goal, MetricKind, P1Solver, Parameter, SceneKind, SurfaceGeometry};
+use crate::scene::{AskedAt, Goal, MetricKind, P1Solver, Parameter, SceneKind, SurfaceGeometry};
 
 /// One decision.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -167,17 +167,21 @@ impl Plan {
             return;
         }
         let each = estimate::dual_applications(self);
+        let every = (questions.iter())
+            .filter(|one| one.at == AskedAt::Increments)
+            .count();
         let applications = u64::from(each) * goals.len() as u64;
         let choice = format!(
-            "{} goals by {} parameters, {applications} applications an increment",
+            "{} goals by {} parameters, {applications} applications {}",
             goals.len(),
-            parameters.len()
+            parameters.len(),
+            if every == 0 { "a step" } else { "an increment" }
         );
         push(
             "goals",
             choice,
-            "one dual solution a goal, two evaluations of terms of the residuals a parameter, six where they \
-             are not linear in it",
+            "one dual solution a goal, two evaluations of terms of the residuals a parameter, four of constants and \
+             supports where they are not linear in it",
         );
     }
 

@@ -5,12 +5,12 @@ use crate::goals::{Answers, GoalError};
 use crate::report::{
     CancelToken, FieldData, FieldName, GoalReport, StepReport, Termination, Warning, WarningKind,
 };
-use crate::scene::{GoalQuestions, Parameter};
+use crate::scene::{GoalQuestions, InStep, Parameter};
 
 impl Session {
     /// Values, derivatives and errors of functionals of the current state, which the last increment
     /// has converged to. Changes no later bit. Cost: one solve on the contacts as they are for each
-    /// goal, two to six evaluations of terms of the residuals for each parameter.
+    /// goal, two to four evaluations of terms of the residuals for each parameter.
     ///
     /// # Errors
     /// The first [`GoalError`], for names that the scene does not have, states that are no equilibrium or
@@ -30,17 +30,22 @@ impl Session {
         }
     }
 
-    /// Adds the answers to the questions of the scene to the report of a converged increment, and why
-    /// others have none.
-    pub(super) fn add_goals(&mut self, report: &mut StepReport, cancel: &CancelToken) {
+    /// Adds the answers to the questions of the scene at that place of a step to the report of a
+    /// converged increment, and why others have none.
+    pub(super) fn add_goals(
+        &mut self,
+        report: &mut StepReport,
+        (place, cancel): (InStep, &CancelToken),
+    ) {
         (self.parts, self.by_nodes) = (None, None);
-        let questions = &self.plan().scene().questions;
+        let all = self.plan().scene().questions.iter();
+        let questions: Vec<GoalQuestions> = all.filter(|one| one.at.asks(place)).cloned().collect();
         if questions.is_empty() || report.termination != Termination::Converged {
             return;
         }
         let start = std::time::Instant::now();
         let at = (self.previous.as_ref(), &self.state, &self.learned);
-        let answers = self.body.answer(at, questions, cancel);
+        let answers = self.body.answer(at, &questions, cancel);
         let answers = answers.unwrap_or_else(|error| Answers {
             refused: vec![error],
             ..Answers::default()

@@ -28,7 +28,7 @@ use crate::report::{
     Termination, WarningKind,
 };
 use crate::scene::validate::check_step;
-use crate::scene::{SceneError, Step};
+use crate::scene::{InStep, SceneError, Step};
 use crate::sqp::learned::Learned;
 use crate::sqp::watch::Watch;
 use body::{Advanced, Increment};
@@ -361,8 +361,13 @@ impl Session {
         step.finish(number, &advanced.ending, &advanced.counters);
         let time = step.time(number, advanced.part);
         let mut report = self.report(time, advanced);
-        self.add_goals(&mut report, cancel);
-        if step.upcoming().is_some() {
+        let place = if step.upcoming().is_some() {
+            InStep::Before
+        } else {
+            InStep::Last
+        };
+        self.add_goals(&mut report, (place, cancel));
+        if place == InStep::Before {
             // What is on its way may touch at the end.
             let warnings = &mut report.warnings;
             warnings.retain(|warning| warning.kind != WarningKind::UntouchedObstacle);

@@ -8,7 +8,7 @@ use super::{SOLVER, production, tokens};
 /// lines by [`GROWTH`] per cent; the constants are a ceiling.
 #[rustfmt::skip]
 const BUDGETS: &[(&str, usize, usize)] = &[
-    ("adapted", 900, 5),
+    ("adapted", 950, 5),
     ("assembly", 8068, 33),
     ("calibration", 1066, 17),
     ("comparisons", 92, 0),
@@ -39,10 +39,10 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("report", 1050, 3),
     ("results", 3172, 24),
     ("saddle", 1190, 6),
-    ("scene", 5880, 28),
+    ("scene", 5890, 28),
     ("session", 2400, 13),
     ("space", 190, 0),
-    ("sqp", 7400, 89),
+    ("sqp", 7526, 90),
     ("stability", 275, 5),
     ("ties", 687, 8),
     ("verify", 1510, 11),

@@ -85,6 +85,7 @@ fn goals_beside_fluids_are_the_numbers_of_the_report_with_a_bound() {
         goals: vec!["force.ball.y".parse().expect("a goal")],
         parameters: Vec::new(),
         errors: GoalErrors::Bounded,
+        ..GoalQuestions::default()
     }];
     let report = last(&problem);
     let goal = &report.goals[0];
@@ -115,6 +116,7 @@ fn where_a_front_ends_is_in_the_bound() {
             goals: vec!["force.ball.y".parse().expect("a goal")],
             parameters: Vec::new(),
             errors: GoalErrors::Bounded,
+            ..GoalQuestions::default()
         }];
         let goal = last(&problem).goals.remove(0);
         (goal.value, goal.bound.expect("a bound").total())

@@ -8,7 +8,7 @@ use crate::gradients::{
     Problem, ask, assert_differences, linear, pressed, set_c10, set_height, set_radius,
 };
 use signorini::report::GoalReport;
-use signorini::scene::{GoalErrors, GoalQuestions, SceneKind, Shape};
+use signorini::scene::{AskedAt, GoalErrors, GoalQuestions, SceneKind, Shape};
 use signorini::{CancelToken, GoalError, Scene, Step};
 
 /// The ball of a problem, rough, pressed and dragged in one increment.
@@ -188,6 +188,7 @@ fn questions(parameters: &[&str]) -> GoalQuestions {
             .map(|text| text.parse().expect("a parameter"))
             .collect(),
         errors: GoalErrors::Bounded,
+        at: AskedAt::Increments,
     }
 }
 

@@ -6,7 +6,7 @@ use crate::common::meshes::{irregular, mesh, square};
 use crate::common::scenes::{HELD, mooney_rivlin, obstacle, push, rubber, support};
 use crate::common::{assert_converged, close, run};
 use signorini::report::{GoalReport, StepReport, Warning, WarningKind};
-use signorini::scene::{GoalErrors, GoalQuestions, Shape};
+use signorini::scene::{AskedAt, GoalErrors, GoalQuestions, Shape};
 use signorini::{
     CancelToken, FieldName, Plan, PlanEntry, Prepared, Reuse, Scene, SceneError, Session, Step,
 };
@@ -38,6 +38,7 @@ fn gradient(goals: &[&str], parameters: &[&str]) -> GoalQuestions {
             .map(|text| text.parse().expect("a parameter"))
             .collect(),
         errors: GoalErrors::Left,
+        at: AskedAt::Increments,
     }
 }
 
@@ -72,6 +73,37 @@ fn a_goal_that_several_questions_name_is_answered_once_with_all_that_is_asked_of
         assert_eq!(both.derivatives[0].0, "material.body.c10");
         assert!(both.bound.is_some() && one.bound.is_none());
         assert!(close(both.value, report.obstacles["ball"].force[1], 1e-12));
+    }
+}
+
+/// What is asked of the ends of steps is told there alone, and as it is told of all increments: dual
+/// solutions begin elsewhere, and end within what derivatives and bounds are found to.
+#[test]
+fn ends_of_steps_are_asked_where_no_more_is_said() {
+    let mesh = mesh(irregular(square(4), 4));
+    let asked = |at: AskedAt| {
+        let all = [
+            gradient(&["force.ball.y"], &["material.body.c10"]),
+            bound(&["force.ball.y"]),
+        ];
+        let (scene, step) = block(all.map(|one| GoalQuestions { at, ..one }).to_vec());
+        run(&scene, &[step.clone(), step], &mesh).1
+    };
+    let [ends, all] = [AskedAt::default(), AskedAt::Increments].map(asked);
+    let answered: Vec<usize> = ends.iter().map(|report| report.goals.len()).collect();
+    assert_eq!(answered, [0, 1, 0, 1]);
+    assert!(all.iter().all(|report| report.goals.len() == 1));
+    assert!(ends.iter().all(|report| report.goals_refused.is_none()));
+    for (end, other) in ends
+        .iter()
+        .zip(&all)
+        .filter(|(end, _)| !end.goals.is_empty())
+    {
+        let [own, other] = [end, other].map(|report| named(report, "force.ball.y"));
+        assert_eq!(own.value.to_bits(), other.value.to_bits());
+        assert!(close(own.derivatives[0].1, other.derivatives[0].1, 1e-6));
+        let [own, other] = [own, other].map(|one| one.bound.as_ref().expect("a bound").total());
+        assert!(close(own, other, 1e-3));
     }
 }
 

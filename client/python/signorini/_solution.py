@@ -309,7 +309,9 @@ class Solution(Sequence[Increment]):
     def table(self) -> dict[str, list[Any]]:
         """Columns by name, one row an increment: what `pandas.DataFrame` takes."""
         rows = [row(one) for one in self.increments]
-        return {name: [one.get(name) for one in rows] for name in (rows[0] if rows else {})}
+        # Goals may be those of ends of steps alone.
+        names = dict.fromkeys(name for one in rows for name in one)
+        return {name: [one.get(name) for one in rows] for name in names}
 
     def __repr__(self) -> str:
         state = "converged" if self.converged else f"not converged ({self.report.cause})"

@@ -527,6 +527,7 @@ class Gradient(Part):
 
     of: Names
     to: Names
+    at: str | None = None
 
 
 @dataclass(kw_only=True)
@@ -534,6 +535,7 @@ class Accuracy(Part):
     """Goals whose error is bounded, or known within tolerances: then the server refines the mesh, up to the limits."""
 
     bound: Names | None = None
+    at: str | None = None
     force: Mapping[str, Any] | None = None
     moment: Mapping[str, Any] | None = None
     reaction: Mapping[str, Any] | None = None

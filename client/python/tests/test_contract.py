@@ -78,7 +78,7 @@ def filled(kind: Any) -> dict[str, Any]:
     values.pop("values", None)
     values |= dict.fromkeys({"inside", "facets", "itself"} & values.keys(), False)
     words = {"formulation": "mixed", "profile": "parabolic", "name": "n", "on": ["a", "b"], "surface": "smooth"}
-    words |= {"of": ["force.n.x"], "to": "load", "bound": "force.n.x"}
+    words |= {"of": ["force.n.x"], "to": "load", "bound": "force.n.x", "at": "increments"}
     words |= {"file": "tool.stl", "weld": 1e-4, "source": ["a"], "dry": "c", "film": "squeezed-out"}
     words |= {"between": ["a", "b"], "carries": "b"}
     return kind(**{**values, **{key: word for key, word in words.items() if key in values}}).as_dict()
@@ -113,6 +113,7 @@ def scene() -> dict[str, Any]:
         "gradient": [filled(s.Gradient)],
         "accuracy": s.Accuracy(
             bound="force.n.x",
+            at="steps",
             force={"n": {"x": 0.25}, "m": 0.5},
             moment={"n": {"x": 0.25}},
             reaction={"a": {"y": 0.25}},

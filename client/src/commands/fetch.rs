@@ -27,7 +27,7 @@ pub(super) async fn run(arguments: FetchArguments, started: Instant) -> Result<E
     }
     let (session, scene) = open_session(&client, &arguments.session).await?;
     let lines = LineSink::for_json(arguments.remote.json);
-    let mut record = Record::new(lines, &scene.steps, Verbosity::of(arguments.verbose));
+    let mut record = Record::new(lines, &scene, Verbosity::of(arguments.verbose));
     let mut fields = lightest_field(&scene);
     if let Some(out) = &arguments.out {
         let mesh = client.read_mesh(&session.mesh).await?;

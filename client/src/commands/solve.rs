@@ -29,7 +29,7 @@ pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<E
     let mut input = input::load(&arguments.scene)?;
     complete(&mut input, &arguments)?;
     let patience = arguments.patience.map_or(PATIENCE, Duration::from_secs);
-    let mut run = Run::new(record(&arguments, &input.scene.steps), patience);
+    let mut run = Run::new(record(&arguments, &input.scene), patience);
     run.record.input(&input.mesh.warnings);
     run.record.progress.phase("starting");
     let connection = Connection::open(&arguments.scene).await?;
@@ -86,9 +86,9 @@ fn complete(input: &mut Input, arguments: &SolveArguments) -> Result<(), Failure
     Ok(())
 }
 
-fn record(arguments: &SolveArguments, steps: &[v1::LoadStep]) -> Record {
+fn record(arguments: &SolveArguments, scene: &v1::Scene) -> Record {
     let lines = LineSink::for_json(arguments.json);
-    Record::new(lines, steps, verbosity(arguments))
+    Record::new(lines, scene, verbosity(arguments))
 }
 
 fn verbosity(arguments: &SolveArguments) -> Verbosity {

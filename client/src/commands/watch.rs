@@ -17,7 +17,7 @@ pub(super) async fn run(arguments: WatchArguments, started: Instant) -> Result<E
     let client = arguments.remote.connect().await?;
     let (session, scene) = open_session(&client, &arguments.session).await?;
     let lines = LineSink::for_json(arguments.remote.json);
-    let mut record = Record::new(lines, &scene.steps, Verbosity::of(arguments.verbose));
+    let mut record = Record::new(lines, &scene, Verbosity::of(arguments.verbose));
     record.plan(session.plan.unwrap_or_default(), scene.units.as_ref())?;
     let until = if arguments.follow {
         v1::WatchEnd::Session

@@ -47,8 +47,9 @@ struct Folder {
 }
 
 impl Record {
-    /// For a run of these steps.
-    pub(crate) fn new(lines: LineSink, steps: &[v1::LoadStep], verbosity: Verbosity) -> Self {
+    /// For a run of all steps of a scene.
+    pub(crate) fn new(lines: LineSink, scene: &v1::Scene, verbosity: Verbosity) -> Self {
+        let steps = &scene.steps;
         let increments = steps.iter().map(|step| step.increments.unwrap_or(1).max(1));
         let increments = increments.map(i64::from).sum::<i64>().unsigned_abs();
         Self {
@@ -60,7 +61,7 @@ impl Record {
             totals: Totals::default(),
             travels: Travels::of(steps),
             // The result of the only increment is told in full anyway.
-            rows: (increments != 1 && verbosity != Verbosity::Quiet).then(Rows::default),
+            rows: (increments != 1 && verbosity != Verbosity::Quiet).then(|| Rows::of(scene)),
             verbosity,
             of_input: Vec::new(),
             rounds: Vec::new(),
@@ -70,7 +71,7 @@ impl Record {
     /// Makes the folder for the results of `scene` and starts its files anew.
     pub(crate) fn open(&mut self, results: ResultFolder, scene: &v1::Scene) -> Result<(), Failure> {
         self.lines.open_file(&results.lines())?;
-        let csv = ResultsCsv::create(results.path())?;
+        let csv = ResultsCsv::create(results.path(), scene)?;
         let path = PathCsv::new(results.path(), scene)?;
         self.folder = Some(Folder { results, csv, path });
         Ok(())

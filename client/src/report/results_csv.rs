@@ -1,12 +1,14 @@
 //! `results.csv`: one row an increment, for spreadsheets.
 //!
-//! The columns are those of the first result: what runs, then each obstacle, support,
-//! probe, fluid and goal by name. A number that a result does not have is left empty.
+//! The columns are those of the first result - what runs, then each obstacle, support, probe and
+//! fluid by name - and of the goals of the scene, which are told where it asks for them. A number
+//! that a result does not have is left empty.
 
 use std::fs::File;
 use std::path::Path;
 
 use csv::Writer;
+use signorini_client::study::asked;
 use signorini_proto::{v1, words};
 
 use crate::report::travel::Travels;
@@ -50,7 +52,12 @@ pub(crate) struct ResultsCsv {
     path: std::path::PathBuf,
     writer: Writer<File>,
     columns: Option<Columns>,
+    /// What the scene asks of goals.
+    goals: Goals,
 }
+
+/// Goals, whether their error is bounded, and what they are differentiated by.
+type Goals = Vec<(String, bool, Vec<String>)>;
 
 /// Names with columns of their own.
 struct Columns {
@@ -58,21 +65,21 @@ struct Columns {
     supports: Vec<String>,
     probes: Vec<String>,
     fluids: Vec<String>,
-    /// Goals, whether their error is bounded, and what they are differentiated by.
-    goals: Vec<(String, bool, Vec<String>)>,
+    goals: Goals,
     contacts: Vec<String>,
     ties: Vec<String>,
 }
 
 impl ResultsCsv {
-    /// Begins the file in a folder.
-    pub(crate) fn create(folder: &Path) -> Result<Self, Failure> {
+    /// Begins the file of the results of a scene in a folder.
+    pub(crate) fn create(folder: &Path, scene: &v1::Scene) -> Result<Self, Failure> {
         let path = folder.join(FILE);
         let file = whole_file::create(&path).map_err(|error| Failure::unwritable(&path, &error))?;
         Ok(Self {
             writer: Writer::from_writer(file),
             path,
             columns: None,
+            goals: asked::goals(scene).iter().map(of_goal).collect(),
         })
     }
 
@@ -90,7 +97,7 @@ impl ResultsCsv {
         let columns = match self.columns.take() {
             Some(columns) => columns,
             None => {
-                let columns = Columns::of(report);
+                let columns = Columns::of(report, self.goals.clone());
                 self.writer.write_record(columns.header())?;
                 columns
             }
@@ -103,13 +110,13 @@ impl ResultsCsv {
 }
 
 impl Columns {
-    fn of(report: &v1::StepReport) -> Self {
+    fn of(report: &v1::StepReport, goals: Goals) -> Self {
         Self {
             obstacles: report.obstacles.keys().cloned().collect(),
             supports: report.supports.keys().cloned().collect(),
             probes: report.probes.keys().cloned().collect(),
             fluids: report.fluids.keys().cloned().collect(),
-            goals: report.goals.iter().map(of_goal).collect(),
+            goals,
             contacts: report.contacts.keys().cloned().collect(),
             ties: report.ties.keys().cloned().collect(),
         }
@@ -345,7 +352,8 @@ fn three(values: Option<&[f64]>) -> [String; 3] {
 /// The columns that a first result makes.
 #[cfg(test)]
 pub(crate) fn header(report: &v1::StepReport) -> Vec<String> {
-    Columns::of(report).header()
+    let goals = report.goals.iter().map(of_goal).collect();
+    Columns::of(report, goals).header()
 }
 
 #[cfg(test)]
@@ -386,7 +394,7 @@ mod tests {
             strain_energy: 0.1 + 0.2,
             ..Default::default()
         };
-        let columns = Columns::of(&report);
+        let columns = Columns::of(&report, Vec::new());
         let (header, row) = (columns.header(), columns.row(&report, &Travels::default()));
         assert_eq!(header.len(), row.len());
         let of = |name: &str| {

@@ -5,16 +5,28 @@ use signorini_proto::v1;
 use super::keys::Keys;
 
 pub(super) fn gradients(scene: &Keys<'_>) -> Vec<v1::Gradient> {
-    let tables = scene.tables("gradient", &["of", "to"]);
+    let tables = scene.tables("gradient", &["of", "to", "at"]);
     let gradient = |keys: &Keys<'_>| v1::Gradient {
         of: keys.required_names("of"),
         to: keys.required_names("to"),
+        at: at(keys),
     };
     tables.iter().map(gradient).collect()
 }
 
+/// Of which increments of a step something is asked.
+const MOMENTS: &[(&str, v1::AskedAt)] = &[
+    ("steps", v1::AskedAt::Steps),
+    ("increments", v1::AskedAt::Increments),
+];
+
+fn at(keys: &Keys<'_>) -> i32 {
+    keys.choice("at", MOMENTS).unwrap_or_default().into()
+}
+
 const ACCURACY: &[&str] = &[
     "bound",
+    "at",
     "force",
     "moment",
     "reaction",
@@ -43,6 +55,7 @@ pub(super) fn accuracy(scene: &Keys<'_>) -> Option<v1::Accuracy> {
     Some(v1::Accuracy {
         targets: targets.chain(energy).collect(),
         bound: keys.names("bound"),
+        at: at(&keys),
         max_unknowns: count(&keys, "max_unknowns"),
         max_memory: count(&keys, "max_memory"),
         max_time: keys.number("max_time"),

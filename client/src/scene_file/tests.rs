@@ -462,6 +462,14 @@ fn goals_and_parameters_are_a_name_or_a_list() {
         (&scene.gradients[0].of[0], &scene.gradients[0].to[0]),
         (&"force.lid.y".to_owned(), &"load".to_owned())
     );
+    assert_eq!(scene.gradients[0].at(), v1::AskedAt::Unspecified);
+    let all = text.replace("to =", "at = \"increments\"\nto =");
+    let gradients = parse(&all, &[]).unwrap().scene.gradients;
+    assert_eq!(gradients[0].at(), v1::AskedAt::Increments);
+    assert_eq!(
+        fault("[accuracy]\nbound = \"force.lid.y\"\nat = \"end\"\n"),
+        "accuracy.at: \"end\" is not known; known are steps, increments"
+    );
     assert_eq!(
         fault("[[gradient]]\nof = \"load\"\n"),
         "gradient[0].to: required key is missing"

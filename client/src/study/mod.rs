@@ -7,6 +7,7 @@
 //! Its identifier tells the number and a digest of what is set, and is the same wherever
 //! the study is read.
 
+pub mod asked;
 mod axis;
 mod derived;
 mod error;

@@ -4,14 +4,13 @@
 //! Parts of a path are keys and positions of lists, `x`, `y`, `z` for the first three:
 //! `obstacles.ball.force.z`. Names with dots are found too: the longest key that fits is taken.
 
-use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use signorini_proto::travel::with_axis;
 use signorini_proto::v1;
 
+use super::asked::goals;
 use crate::library::result_line;
 
 /// Of which increments, or what of them all.
@@ -108,24 +107,6 @@ impl Wanted {
             Err(fault) => Some(fault),
         }
     }
-}
-
-/// Goals of a scene with what is asked of them, and no numbers.
-fn goals(scene: &v1::Scene) -> BTreeMap<String, v1::GoalResult> {
-    let mut goals = BTreeMap::<String, v1::GoalResult>::new();
-    for gradient in &scene.gradients {
-        for goal in &gradient.of {
-            let derivatives = &mut goals.entry(goal.clone()).or_default().derivatives;
-            derivatives.extend(gradient.to.iter().map(|one| (one.clone(), 0.0)));
-        }
-    }
-    let bounded = scene.accuracy.iter().flat_map(|accuracy| &accuracy.bound);
-    let targets = scene.accuracy.iter().flat_map(|accuracy| &accuracy.targets);
-    let targets = targets.filter_map(|target| with_axis(scene, &target.goal));
-    for goal in bounded.cloned().chain(targets) {
-        goals.entry(goal).or_default().bound = Some(v1::GoalBound::default());
-    }
-    goals
 }
 
 /// The line of a result that has all names of a scene and no numbers.
@@ -350,6 +331,7 @@ mod tests {
             gradients: vec![v1::Gradient {
                 of: texts(&["force.ball.z"]),
                 to: texts(&["material.body.c10", "load"]),
+                at: 0,
             }],
             accuracy: Some(v1::Accuracy {
                 bound: texts(&["force.ball.z"]),

@@ -242,6 +242,7 @@ fn good_scene(mesh: &Mesh) -> wire::Scene {
         gradients: vec![wire::Gradient {
             of: vec!["force.ball.z".into(), "displacement.tip.x".into()],
             to: vec!["material.body.young_modulus".into(), "load".into()],
+            at: 2,
         }],
         accuracy: Some(wire::Accuracy {
             bound: vec!["reaction.base.z".into()],

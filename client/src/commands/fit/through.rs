@@ -195,6 +195,8 @@ impl Trial<'_> {
         input.scene.gradients = vec![v1::Gradient {
             of: self.curves.goals.clone(),
             to: self.names.iter().map(parameter).collect(),
+            // Points lie between increments.
+            at: v1::AskedAt::Increments.into(),
         }];
         if input.scene.steps.is_empty() {
             input.scene.steps.push(v1::LoadStep::default());

@@ -1,5 +1,6 @@
 //! One row an increment, written when it is done.
 
+use signorini_client::study::asked;
 use signorini_proto::{v1, words};
 
 use super::fluid::verdict;
@@ -17,14 +18,24 @@ const WITH_ERROR: usize = 20;
 pub(crate) struct Rows {
     /// What has a column, once the header is written.
     columns: Option<Columns>,
+    /// Goals whose errors are told with some increments.
+    bounded: Vec<String>,
 }
 
 impl Rows {
+    /// Of the results of a scene.
+    pub(crate) fn of(scene: &v1::Scene) -> Self {
+        Self {
+            columns: None,
+            bounded: asked::bounded(scene),
+        }
+    }
+
     /// The row of an increment, below the header when it is the first.
     pub(crate) fn row(&mut self, report: &v1::StepReport, travels: &Travels) -> String {
         let mut text = String::new();
         let columns = self.columns.get_or_insert_with(|| {
-            let columns = Columns::of(report, travels);
+            let columns = Columns::of(report, (travels, &self.bounded));
             text = columns.header(report);
             columns
         });
@@ -67,13 +78,17 @@ impl Force {
 }
 
 impl Columns {
-    fn of(report: &v1::StepReport, travels: &Travels) -> Self {
+    fn of(report: &v1::StepReport, (travels, bounded): (&Travels, &[String])) -> Self {
+        let is_bounded = |name: &str| {
+            let own = format!("force.{name}.");
+            bounded.iter().any(|goal| goal.starts_with(&own))
+        };
         let mut forces: Vec<_> = report
             .obstacles
             .keys()
             .map(|name| {
-                let own = travels.force_error(name, report);
-                let own = own.map_or(ALONE, |_| WITH_ERROR);
+                let has_error = is_bounded(name) || travels.force_error(name, report).is_some();
+                let own = if has_error { WITH_ERROR } else { ALONE };
                 Force::new(name, travels.has_travelled(name), own)
             })
             .collect();

@@ -12,8 +12,8 @@ use super::MAXIMUM_GOALS;
 use super::questions::read;
 use crate::fault::Fault;
 
-/// Takes what is asked of the mesh out of a scene. Its goals get their axes and are bounded with
-/// every increment, so that the scene is one for a session on the refined mesh.
+/// Takes what is asked of the mesh out of a scene. Its goals get their axes and are bounded where
+/// the scene asks for errors, so that the scene is one for a session on the refined mesh.
 ///
 /// # Errors
 /// `SceneInvalid` with the keys of goals that are none, tolerances, limits, and where no goal has a
@@ -34,15 +34,6 @@ pub(crate) fn take_accuracy(scene: &mut wire::Scene) -> Result<Accuracy, Fault> 
         .iter()
         .flat_map(|one| target(one, &mut faults))
         .collect();
-    if !scene.contacts.is_empty() || !scene.ties.is_empty() {
-        for (goal, _) in goals.iter().take(1) {
-            faults.later(
-                format!("accuracy.{goal}"),
-                "meshes are not refined by goals yet beside contact or ties between bodies: name \
-                 the goal in accuracy.bound to have its error only",
-            );
-        }
-    }
     let mut named = HashSet::new();
     for (goal, _) in goals
         .iter()
@@ -60,6 +51,7 @@ pub(crate) fn take_accuracy(scene: &mut wire::Scene) -> Result<Accuracy, Fault> 
     }
     scene.accuracy = Some(wire::Accuracy {
         bound,
+        at: asked.at,
         ..Default::default()
     });
     Ok(Accuracy { targets, limits })

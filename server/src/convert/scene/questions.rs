@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use signorini::scene::{GoalErrors, GoalQuestions, Malformed};
+use signorini::scene::{AskedAt, GoalErrors, GoalQuestions, Malformed};
 use signorini_proto::v1 as wire;
 
 use super::super::Faults;
@@ -19,12 +19,14 @@ pub(super) fn questions(
     for (index, gradient) in gradients.into_iter().enumerate() {
         all.push(of_gradient(&gradient, index, faults));
     }
-    let bounded = accuracy.unwrap_or_default().bound;
+    let accuracy = accuracy.unwrap_or_default();
+    let (bounded, at) = (accuracy.bound, asked_at(accuracy.at, "accuracy.at", faults));
     if !bounded.is_empty() {
         all.push(GoalQuestions {
             goals: read(&bounded, "accuracy.bound", faults),
             parameters: Vec::new(),
             errors: GoalErrors::Bounded,
+            at,
         });
     }
     all
@@ -41,6 +43,18 @@ fn of_gradient(gradient: &wire::Gradient, index: usize, faults: &mut Faults) -> 
         goals: read(&gradient.of, &at("of"), faults),
         parameters: read(&gradient.to, &at("to"), faults),
         errors: GoalErrors::Left,
+        at: asked_at(gradient.at, &at("at"), faults),
+    }
+}
+
+fn asked_at(number: i32, path: &str, faults: &mut Faults) -> AskedAt {
+    match wire::AskedAt::try_from(number) {
+        Ok(wire::AskedAt::Unspecified | wire::AskedAt::Steps) => AskedAt::Steps,
+        Ok(wire::AskedAt::Increments) => AskedAt::Increments,
+        Err(_) => {
+            faults.add(path, format!("{number} is no such value"));
+            AskedAt::Steps
+        }
     }
 }
 
@@ -83,6 +97,7 @@ mod tests {
         let gradient = wire::Gradient {
             of: texts(&["force.ball.y", "displacement.tip.x"]),
             to: texts(&["material.body.c10", "obstacle.ball.radius"]),
+            at: wire::AskedAt::Increments.into(),
         };
         let accuracy = wire::Accuracy {
             bound: texts(&["force.ball.y"]),
@@ -97,6 +112,10 @@ mod tests {
             (GoalErrors::Left, GoalErrors::Bounded)
         );
         assert_eq!(read[1].goals, read[0].goals[..1]);
+        assert_eq!(
+            [&read[0], &read[1]].map(|one| one.at),
+            [AskedAt::Increments, AskedAt::Steps]
+        );
         let mut faults = Faults::default();
         assert_eq!(
             questions(Vec::new(), Some(wire::Accuracy::default()), &mut faults),
@@ -110,11 +129,15 @@ mod tests {
         let gradient = wire::Gradient {
             of: texts(&["force.ball"]),
             to: texts(&["c10", &"x".repeat(601), "load\n"]),
+            at: 0,
         };
-        let empty = wire::Gradient::default();
+        let empty = wire::Gradient {
+            at: 9,
+            ..Default::default()
+        };
         questions(vec![gradient, empty], None, &mut faults);
         let Err(Fault::SceneInvalid(all)) = faults.outcome() else {
-            unreachable!("six faults");
+            unreachable!("seven faults");
         };
         let paths: Vec<&str> = all.iter().map(|one| one.path.as_str()).collect();
         let expected = [
@@ -124,6 +147,7 @@ mod tests {
             "gradient[0].to",
             "gradient[1].of",
             "gradient[1].to",
+            "gradient[1].at",
         ];
         assert_eq!(paths, expected);
         assert!(
