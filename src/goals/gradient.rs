@@ -4,16 +4,17 @@
 //! dJ/dt = d/dt [J(x, t) + y . R(x, t)] at fixed x
 //! ```
 //!
-//! by central differences of sixth order of what the solver itself evaluates: exact to rounding for
-//! loads and for constants that a law is linear in, to some 1e-11 of J for the rest. Only the terms of R
+//! by central differences of what the solver itself evaluates: exact to rounding for loads and for
+//! constants that a law is linear in, of fourth order for other constants and for supports, to some 1e-11 of J, and of second order for
+//! poses and shapes, whose steps are so short that rounding is larger than what the order leaves. Only the terms of R
 //! that know the parameter are evaluated. Where poses follow from pushes F = T the derivatives at fixed poses q are freed of them,
 //!
 //! ```text
 //! dJ/dt - (dJ/dq) (dF/dq)^-1 dF/dt,   dJ/dT = (dJ/dq) (dF/dq)^-1
 //! ```
 //!
-//! Cost: two evaluations of terms of the residuals a parameter that they are linear in, six others, for
-//! all goals together.
+//! Cost: two evaluations of terms of the residuals a parameter, four of constants and supports that they
+//! are not linear in, for all goals together.
 
 use super::dual::Dual;
 use super::error::GoalError;
@@ -29,10 +30,10 @@ use crate::model::state::State;
 use crate::scene::Parameter;
 use crate::sqp::run::Run;
 
-/// Weights of values one, two and three steps away, over the step: of sixth order.
-const WEIGHTS: [f64; 3] = [45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0];
-/// The same of values one step away: exact for what is linear.
-const LINEAR: [f64; 1] = [0.5];
+/// Weights of values one step away, over the step: exact for what is linear, else of second order.
+const SECOND: [f64; 1] = [0.5];
+/// The same of values one and two steps away: of fourth order.
+const FOURTH: [f64; 2] = [2.0 / 3.0, -1.0 / 12.0];
 
 /// Goals with their dual solutions.
 pub(super) struct Answered<'a> {
@@ -283,10 +284,10 @@ fn differentiate(
     change: &Change,
 ) -> Result<Vec<f64>, GoalError> {
     let mut sums = vec![0.0; answered.all().count()];
-    let weights = if change.is_linear {
-        &LINEAR[..]
+    let weights = if change.is_linear || change.place.is_geometric() {
+        &SECOND[..]
     } else {
-        &WEIGHTS
+        &FOURTH
     };
     for (place, weight) in weights.iter().enumerate() {
         for sign in [1.0, -1.0] {

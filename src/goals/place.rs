@@ -8,7 +8,7 @@ use crate::scene::numbers::{constant, is_linear, number};
 use crate::scene::{MaterialModel, Parameter, SceneKind};
 
 /// Step of a material's constant, over its size, without unit; chosen: the error of central differences
-/// of six values is its sixth power.
+/// of four values is its fourth power.
 const OF_CONSTANTS: f64 = 1e-4;
 /// Step of a length over that of the body, and of an angle: as short as rounding lets it be, since points of
 /// contact that cross a jump of curvature on the way, where an edge is rounded, see both sides of it. Without unit; at 1e-4 a rounded box had
@@ -86,6 +86,12 @@ impl Place {
             Self::Support(..) => model.is_linear(),
             Self::Pose(..) | Self::Shape(..) => false,
         }
+    }
+
+    /// Whether it is a place or a number of an obstacle: its steps are short for the sake of edges, their square is
+    /// less than rounding.
+    pub(super) fn is_geometric(&self) -> bool {
+        matches!(self, Self::Pose(..) | Self::Shape(..))
     }
 
     /// Step of differences, in the caller's units; a cause where there is no derivative.

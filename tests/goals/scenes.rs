@@ -267,9 +267,9 @@ fn what_has_no_answer_keeps_nothing_else_from_having_one() {
     let told: Vec<&str> = force.derivatives.iter().map(|one| &*one.0).collect();
     assert_eq!(told, ["material.body.c10", "obstacle.ball.radius"]);
     assert!(force.derivatives.iter().all(|one| one.1 != 0.0));
-    // What presses from above is held from below.
+    // What presses from above is held from below; each is known to 1e-6.
     let base = named(last, "reaction.y0.y");
     for (own, other) in force.derivatives.iter().zip(&base.derivatives) {
-        assert!(close(own.1, -other.1, 1e-6), "{own:?} {other:?}");
+        assert!(close(own.1, -other.1, 2e-6), "{own:?} {other:?}");
     }
 }

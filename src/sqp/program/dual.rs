@@ -35,6 +35,10 @@ constants! {
     /// Reduction of the residual in one pass, beyond which that which GCR carries along parts from
     /// the true one.
     const REDUCTION: f64 = 3e-7;
+    /// Reduction in the pass that shows how large y is, which residuals are measured beside: by less its
+    /// size is not known to a tenth, and what a pass asks for without it is a hundred times too much
+    /// where a tool's force moves nothing but gaps (Hertz, 25 applications in the place of 20).
+    const FIRST: f64 = 0.1;
     /// What a pass is asked for, over what a solution may leave: the true residual is a little larger.
     const MARGIN: f64 = 0.5;
     /// Passes at most.
@@ -94,11 +98,31 @@ pub(super) struct Passes {
     scales: QpScales,
     /// Norm of the force that counts as one.
     force_scale: f64,
+    /// What the scales are of.
+    scaled: Scaled,
+}
+
+/// What residuals are measured beside.
+#[derive(Clone, Copy, PartialEq)]
+enum Scaled {
+    /// The right side alone.
+    ByLoad,
+    /// What y makes of forces, volumes and gaps.
+    BySolution,
 }
 
 impl Passes {
     fn relative(&self) -> f64 {
         self.left.norms().relative(self.force_scale, &self.scales)
+    }
+
+    /// What the next pass is asked for.
+    fn level(&self, target: f64) -> f64 {
+        let least = match self.scaled {
+            Scaled::ByLoad => FIRST,
+            Scaled::BySolution => REDUCTION * self.relative(),
+        };
+        least.max(MARGIN * target)
     }
 }
 
@@ -133,7 +157,7 @@ impl QuadraticProgram<'_> {
             self.measure(&problem, &mut at, run.work);
         }
         for _ in 0..MOST_PASSES {
-            let before = at.relative();
+            let (before, scaled) = (at.relative(), at.scaled);
             if before <= target {
                 break;
             }
@@ -141,7 +165,8 @@ impl QuadraticProgram<'_> {
             if failed == Some(QpStatus::Interrupted) {
                 return Err(DualFailure::Stopped);
             }
-            let stagnates = failed.is_some() || at.relative() > 0.5 * before;
+            let is_no_better = scaled == Scaled::BySolution && at.relative() > 0.5 * before;
+            let stagnates = failed.is_some() || is_no_better;
             let may_take_factor = !self.has_fresh_factor && self.model.plan.factor_cost().is_some();
             if stagnates && !(may_take_factor && self.take_factor(run)) && failed.is_some() {
                 break;
@@ -186,6 +211,7 @@ impl QuadraticProgram<'_> {
             } else {
                 f64::INFINITY
             },
+            scaled: Scaled::ByLoad,
         }
     }
 
@@ -212,6 +238,7 @@ impl QuadraticProgram<'_> {
         at.force_scale = if scale > 0.0 { scale } else { f64::INFINITY };
         let QpScales { constraint, gap } = self.unsolved_norms(problem, &at.solution, work);
         at.scales.see(constraint, gap);
+        at.scaled = Scaled::BySolution;
     }
 
     /// Norms of the volumes and gaps of a motion as large as y whose nodes go to and fro: beside
@@ -252,7 +279,7 @@ impl QuadraticProgram<'_> {
         let mut iterate = at_residual(&at.left, problem.contact);
         let targets = QpTargets {
             force_scale: at.force_scale,
-            level: (MARGIN * problem.target).max(REDUCTION * at.relative()),
+            level: at.level(problem.target),
             multiplier_error: None,
         };
         let displacement = Counted::new(&*self.inverse.displacement);
