@@ -12,10 +12,11 @@
 //! decision 71.) Goals are judged where the last step ends, which is the state that every round has:
 //! the bound of an early increment over its own small force would be that of a contact on a cell or
 //! two. On the first mesh all steps are solved; on each one that follows only the last state is
-//! brought into equilibrium, from that of the mesh before, which is the same function there.
+//! brought into equilibrium, from that of the mesh before, which is the same function there. Under
+//! friction, whose slip counts from where increments began, and beside contact and ties between
+//! bodies, whose multipliers belong to both meshes, all steps are solved on each mesh.
 //!
-//! Assumptions: no friction and no fluids, so that the state does not depend on its
-//! way. What flat facets make of a goal where they stand for a curved surface is no error that
+//! Assumptions: no fluids. What flat facets make of a goal where they stand for a curved surface is no error that
 //! halving takes away: vertices of the halves lie on the facets. It counts in the bound as on the
 //! first mesh, and ends the loop where it alone is too much. Arcs fitted over facets (`smooth`) are
 //! fitted once, to the first mesh; its refinements follow them.

@@ -1,4 +1,4 @@
-//! The loop: solve, judge, halve, carry over.
+//! The loop: solve, judge, halve, carry over or begin again.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -14,7 +14,7 @@ use crate::prepare::Prepared;
 use crate::refinement::{Hierarchy, Limits, Refined, RefinementError};
 use crate::report::{CancelToken, GoalReport, Observer, StepReport, Termination};
 use crate::scene::{Scene, Step, SurfaceGeometry};
-use crate::session::{NotCarried, Reuse, Session};
+use crate::session::{Reuse, Session};
 
 /// What is solved.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,8 @@ pub struct Adapted {
 }
 
 /// Solves `problem` on finer and finer meshes until the goals are known as well as `accuracy` asks,
-/// or a limit ends it. Cost: some two solutions on the last mesh.
+/// or a limit ends it. Cost: some two solutions on the last mesh of the last state, of all steps where
+/// the state depends on its way.
 ///
 /// # Errors
 /// [`AdaptionError`] where the first mesh has no answer, or the caller cancels it. What fails on a
@@ -71,6 +72,8 @@ pub fn adapt(
     let mut judge = Judge::new(accuracy);
     let started = Instant::now();
     let mut present = first(problem, &mut watch)?;
+    let stay = [Step::default()];
+    let way = Way::of(present.session.plan(), (problem.steps, &stay));
     let mut answers = present.answers(accuracy, watch.cancel)?;
     let mut rounds: Vec<Round> = Vec::new();
     let end = loop {
@@ -85,6 +88,7 @@ pub fn adapt(
             accuracy,
             rounds: &rounds,
             started,
+            way,
         };
         let marked = judge::marks(&goals, &answers);
         match present.answered(&marked, &left, &mut watch) {
@@ -114,12 +118,39 @@ fn check(problem: Problem<'_>, accuracy: &Accuracy) -> Result<(), AdaptionError>
         Err(AdaptionError::Malformed("tolerances must be above zero"))
     } else if accuracy.targets.iter().enumerate().any(is_repeated) {
         Err(AdaptionError::Malformed("it names a goal twice"))
-    } else if !problem.scene.contacts.is_empty() || !problem.scene.ties.is_empty() {
-        Err(NotCarried::ContactPairs.into())
     } else if problem.steps.is_empty() {
         Err(AdaptionError::Malformed("there is no step"))
     } else {
         Ok(())
+    }
+}
+
+/// How the last state is reached on a finer mesh.
+#[derive(Clone, Copy)]
+enum Way<'a> {
+    /// Carried over, and brought into equilibrium by a step that leaves what drives the body as it
+    /// is: it does not depend on its way.
+    Carried(&'a [Step]),
+    /// By all steps from rest: friction counts slip from where increments began, and multipliers between
+    /// bodies belong to both of their meshes.
+    Again(&'a [Step]),
+}
+
+impl<'a> Way<'a> {
+    fn of(plan: &Plan, (steps, stay): (&'a [Step], &'a [Step])) -> Self {
+        let scene = plan.scene();
+        let is_between_bodies = !scene.contacts.is_empty() || !scene.ties.is_empty();
+        if plan.has_friction() || is_between_bodies {
+            Self::Again(steps)
+        } else {
+            Self::Carried(stay)
+        }
+    }
+
+    fn steps(self) -> &'a [Step] {
+        match self {
+            Self::Carried(steps) | Self::Again(steps) => steps,
+        }
     }
 }
 
@@ -151,6 +182,7 @@ struct Left<'a> {
     accuracy: &'a Accuracy,
     rounds: &'a [Round],
     started: Instant,
+    way: Way<'a>,
 }
 
 /// All steps on the first mesh.
@@ -158,9 +190,6 @@ fn first(problem: Problem<'_>, watch: &mut Watch<'_>) -> Result<Present, Adaptio
     let started = Instant::now();
     let scene = without_questions(problem.scene);
     let plan = Arc::new(Plan::new(&scene, problem.steps, problem.mesh)?);
-    if plan.has_friction() {
-        return Err(GoalError::NeedsHistory(History::Carried).into());
-    }
     if !plan.problem.resolved.fluids.is_empty() {
         return Err(GoalError::NeedsHistory(History::Fluids).into());
     }
@@ -269,18 +298,21 @@ impl Present {
         let refined = self.hierarchy.halve(marked, left.of_mesh());
         let refined = refined.map_err(|error| left.refused(error))?;
         let scene = left.timed(&self.scene);
-        let plan = Plan::new(&scene, &[Step::default()], refined.hierarchy.mesh())
-            .map_err(AdaptionError::from)?;
+        let steps = left.way.steps();
+        let plan =
+            Plan::new(&scene, steps, refined.hierarchy.mesh()).map_err(AdaptionError::from)?;
         left.refuse_too_large(&plan)?;
         self.ask_room(plan.first_bytes(), watch)?;
-        let mut finer = self.carried(Arc::new(plan), refined, (started, watch.cancel))?;
-        // What drives the body stays as it is.
-        let ending = take(&mut finer.session, &Step::default(), watch)?.termination;
-        if ending == Termination::Converged {
-            Ok(finer)
-        } else {
-            Err(Failure::End(left.ended(ending)))
+        let over = (left.way, watch.cancel);
+        let mut finer = self.on_finer((Arc::new(plan), started), refined, over)?;
+        for step in steps {
+            left.refuse_late()?;
+            let ending = take(&mut finer.session, step, watch)?.termination;
+            if ending != Termination::Converged {
+                return Err(Failure::End(left.ended(ending)));
+            }
         }
+        Ok(finer)
     }
 
     /// What a mesh of the cells that there are with those that are marked, halved, takes at the least.
@@ -300,18 +332,23 @@ impl Present {
         }
     }
 
-    /// The state on a refined mesh, not yet in equilibrium there.
-    fn carried(
+    /// Where a refined mesh begins: at the present state, or at rest.
+    fn on_finer(
         &mut self,
-        plan: Arc<Plan>,
+        (plan, started): (Arc<Plan>, Instant),
         refined: Refined,
-        (started, cancel): (Instant, &CancelToken),
+        (way, cancel): (Way<'_>, &CancelToken),
     ) -> Result<Self, AdaptionError> {
         let mesh = refined.hierarchy.mesh().clone();
         let prepared = Arc::new(Prepared::build(&plan, &mesh, cancel)?);
-        let over = (mesh, &refined.lineage);
         let (unknowns, bytes) = (unknowns(&plan), plan.first_bytes());
-        let session = self.session.refined(plan, over, (prepared, Reuse::Built))?;
+        let session = match way {
+            Way::Carried(_) => {
+                let over = (mesh, &refined.lineage);
+                self.session.refined(plan, over, (prepared, Reuse::Built))?
+            }
+            Way::Again(_) => Session::new(plan, mesh, prepared, Reuse::Built),
+        };
         Ok(Self {
             scene: self.scene.clone(),
             hierarchy: refined.hierarchy,
@@ -361,6 +398,14 @@ impl Left<'_> {
 
     fn refuse_over(&self) -> Result<(), Failure> {
         self.over().map_or(Ok(()), |end| Err(Failure::End(end)))
+    }
+
+    /// Ends a way that would go on after the time that it has.
+    fn refuse_late(&self) -> Result<(), Failure> {
+        match (self.accuracy.limits.seconds, self.seconds()) {
+            (Some(most), Some(left)) if left <= 0.0 => Err(Failure::End(End::Time { most })),
+            _ => Ok(()),
+        }
     }
 
     fn refuse_too_large(&self, plan: &Plan) -> Result<(), Failure> {

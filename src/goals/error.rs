@@ -61,15 +61,13 @@ pub enum History {
     Fluids,
     /// Friction in increments that did not begin at rest.
     Friction,
-    /// Friction, of states that are carried over to another mesh.
-    Carried,
 }
 
 impl History {
     /// What else can be asked, as the end of a message.
     fn way_out(self) -> &'static str {
         match self {
-            Self::Fluids | Self::Carried => "",
+            Self::Fluids => "",
             Self::Friction => {
                 "; values and bounds are told, derivatives where the load comes in one increment"
             }
@@ -82,7 +80,6 @@ impl std::fmt::Display for History {
         out.write_str(match self {
             Self::Fluids => "fluids",
             Self::Friction => "friction over several increments",
-            Self::Carried => "friction",
         })
     }
 }

@@ -42,7 +42,7 @@ fn stacked(scene: Scene) -> Problem {
     }
 }
 
-fn touching(scene: Scene, carrier: [&str; 2]) -> Problem {
+pub(crate) fn touching(scene: Scene, carrier: [&str; 2]) -> Problem {
     stacked(Scene {
         contacts: vec![ContactPair {
             name: "joint".to_owned(),
@@ -54,7 +54,7 @@ fn touching(scene: Scene, carrier: [&str; 2]) -> Problem {
     })
 }
 
-fn tied(scene: Scene) -> Problem {
+pub(crate) fn tied(scene: Scene) -> Problem {
     stacked(Scene {
         ties: vec![Tie {
             name: "joint".to_owned(),
@@ -78,12 +78,12 @@ fn both(mut scene: Scene) -> Scene {
     scene
 }
 
-fn of_rubber() -> Scene {
+pub(crate) fn of_rubber() -> Scene {
     let law = RubberModel::NeoHookean { shear_modulus: 1.0 };
     both(rubber(law, Some(40.0)))
 }
 
-fn linear() -> Scene {
+pub(crate) fn linear() -> Scene {
     both(elastic(0.5))
 }
 
@@ -232,7 +232,7 @@ fn bodies_that_rub_with_a_given_bound_agree_with_differences_of_whole_solves() {
     assert_differences(&problem, &RUBBED, &[own]);
 }
 
-/// As scene files ask: with every increment.
+/// As scene files ask: with the ends of steps.
 #[test]
 fn scenes_with_ties_may_ask_for_bounds_and_derivatives() {
     let mut problem = tied(linear());
@@ -240,6 +240,7 @@ fn scenes_with_ties_may_ask_for_bounds_and_derivatives() {
         goals: vec!["reaction.base.y".parse().expect("a goal")],
         parameters: vec!["support.base.y".parse().expect("a parameter")],
         errors: GoalErrors::Bounded,
+        ..GoalQuestions::default()
     }];
     let (_, reports) = run(&problem.scene, &problem.steps, &problem.mesh);
     let report = reports.last().expect("a report");

@@ -4,6 +4,7 @@
 mod common;
 
 mod adapted;
+mod again;
 mod bodies;
 mod bounds;
 mod fluids;

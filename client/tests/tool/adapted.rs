@@ -121,8 +121,22 @@ fn what_has_no_error_is_refused_with_its_key() {
         )
         .contains("along no single axis")
     );
-    let friction = ["--set", "obstacle.0.friction=0.3"];
-    assert!(of("force.ball.y = 0.01\n", &friction).contains("friction"));
+}
+
+#[test]
+fn a_rough_ball_goes_its_way_on_every_mesh() {
+    let folder = folder("a_rough_ball_goes_its_way");
+    let path = scene(&folder, "force.ball.y = 0.01\n");
+    let run = solved(&path, &["--set", "obstacle.0.friction=0.3"]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let last = last_round(&run);
+    assert_eq!(last["end"], "reached");
+    let goal = &last["goals"]["force.ball.y"];
+    let (value, bound) = (number(&goal["value"]), number(&goal["bound"]));
+    assert!(bound <= 0.01 * value.abs());
+    let steps = run.events("step");
+    let force = number(&steps[1]["obstacles"]["ball"]["force"][1]);
+    assert!((force - value).abs() < 1e-6 * value.abs());
 }
 
 #[test]
