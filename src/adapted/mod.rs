@@ -13,10 +13,11 @@
 //! the bound of an early increment over its own small force would be that of a contact on a cell or
 //! two. On the first mesh all steps are solved; on each one that follows only the last state is
 //! brought into equilibrium, from that of the mesh before, which is the same function there. Under
-//! friction, whose slip counts from where increments began, and beside contact and ties between
-//! bodies, whose multipliers belong to both meshes, all steps are solved on each mesh.
+//! friction, whose slip counts from where increments began, beside fluids, which only advance, and
+//! beside contact and ties between bodies, whose multipliers belong to both meshes, all steps are
+//! solved on each mesh.
 //!
-//! Assumptions: no fluids. What flat facets make of a goal where they stand for a curved surface is no error that
+//! What flat facets make of a goal where they stand for a curved surface is no error that
 //! halving takes away: vertices of the halves lie on the facets. It counts in the bound as on the
 //! first mesh, and ends the loop where it alone is too much. Arcs fitted over facets (`smooth`) are
 //! fitted once, to the first mesh; its refinements follow them.

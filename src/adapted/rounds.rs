@@ -7,7 +7,6 @@ use super::accuracy::{Accuracy, Target};
 use super::error::AdaptionError;
 use super::judge::{self, Judge};
 use super::round::{End, GoalRound, Round};
-use crate::goals::{GoalError, History};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::prepare::Prepared;
@@ -140,7 +139,7 @@ impl<'a> Way<'a> {
     fn of(plan: &Plan, (steps, stay): (&'a [Step], &'a [Step])) -> Self {
         let scene = plan.scene();
         let is_between_bodies = !scene.contacts.is_empty() || !scene.ties.is_empty();
-        if plan.has_friction() || is_between_bodies {
+        if plan.has_friction() || is_between_bodies || !scene.fluids.is_empty() {
             Self::Again(steps)
         } else {
             Self::Carried(stay)
@@ -190,9 +189,6 @@ fn first(problem: Problem<'_>, watch: &mut Watch<'_>) -> Result<Present, Adaptio
     let started = Instant::now();
     let scene = without_questions(problem.scene);
     let plan = Arc::new(Plan::new(&scene, problem.steps, problem.mesh)?);
-    if !plan.problem.resolved.fluids.is_empty() {
-        return Err(GoalError::NeedsHistory(History::Fluids).into());
-    }
     let prepared = Arc::new(Prepared::build(&plan, problem.mesh, watch.cancel)?);
     let mesh = plan.body_mesh(problem.mesh);
     let mut session = Session::new(plan.clone(), problem.mesh.clone(), prepared, Reuse::Built);

@@ -41,15 +41,7 @@ pub(crate) struct Answers {
 pub(crate) fn answer(run: &mut Run<'_>, questions: &[GoalQuestions]) -> Result<Answers, GoalError> {
     let mut asked = Asked::of(questions);
     let mut answers = Answers::default();
-    let asks_for_derivatives = !asked.parameters.is_empty();
-    match refuse_history((&run.model, &*run.state), asks_for_derivatives) {
-        // Values and bounds are those of the last increment's own problem.
-        Err(error @ GoalError::NeedsHistory(History::Friction)) => {
-            asked.parameters.clear();
-            answers.refused.push(error);
-        }
-        other => other?,
-    }
+    leave_out_derivatives((&run.model, &*run.state), &mut asked, &mut answers.refused)?;
     let now = run.evaluate();
     refuse_unbalanced(run, &now)?;
     let mut program = QuadraticProgram::new(run, &now, None, &mut 0.0);
@@ -303,6 +295,41 @@ impl At {
             seconds: dual.seconds,
         }
     }
+}
+
+/// Leaves derivatives out that the state does not have: values and bounds are those of the last
+/// increment's own problem.
+fn leave_out_derivatives(
+    (model, state): (&Model<'_>, &State),
+    asked: &mut Asked<'_>,
+    refused: &mut Vec<GoalError>,
+) -> Result<(), GoalError> {
+    let asks_for_derivatives = !asked.parameters.is_empty();
+    match refuse_history((model, state), asks_for_derivatives) {
+        Err(error @ GoalError::NeedsHistory(History::Friction)) => {
+            asked.parameters.clear();
+            refused.push(error);
+        }
+        other => other?,
+    }
+    if asks_for_derivatives && rubs_in_space(model) {
+        asked.parameters.clear();
+        refused.push(GoalError::Absent {
+            text: "to".to_owned(),
+            cause:
+                "derivatives where bodies rub on each other in space are not exact yet; values and \
+                    bounds are told"
+                    .to_owned(),
+        });
+    }
+    Ok(())
+}
+
+/// Whether bodies in space rub on each other, whose matrix leaves out how borders of pieces move with
+/// tractions.
+fn rubs_in_space(model: &Model<'_>) -> bool {
+    let problem = &model.plan.problem;
+    problem.units.dimension == 3 && problem.pairs.iter().any(|pair| pair.is_frictional())
 }
 
 /// Refuses states that are far from equilibrium.

@@ -57,8 +57,6 @@ pub enum GoalError {
 /// What makes a state depend on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum History {
-    /// Fluids that creep in.
-    Fluids,
     /// Friction in increments that did not begin at rest.
     Friction,
 }
@@ -67,7 +65,6 @@ impl History {
     /// What else can be asked, as the end of a message.
     fn way_out(self) -> &'static str {
         match self {
-            Self::Fluids => "",
             Self::Friction => {
                 "; values and bounds are told, derivatives where the load comes in one increment"
             }
@@ -78,7 +75,6 @@ impl History {
 impl std::fmt::Display for History {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         out.write_str(match self {
-            Self::Fluids => "fluids",
             Self::Friction => "friction over several increments",
         })
     }

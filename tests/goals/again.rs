@@ -1,5 +1,5 @@
 //! Meshes that are refined until a force is known where all steps are solved on each of them: under
-//! friction, and where bodies touch or are tied.
+//! friction, beside fluids, and where bodies touch or are tied.
 
 use std::sync::Arc;
 
@@ -9,6 +9,7 @@ use crate::common::run;
 use crate::common::scenes::{
     HELD_IN_PLANE, elastic, mooney_rivlin, obstacle, push, rubber, support,
 };
+use crate::fluids::wet;
 use crate::gradients::Problem;
 use signorini::adapted::{
     Accuracy, AccuracyLimits, Adapted, AdaptionError, End, Problem as Asked, Target, Watch, adapt,
@@ -117,6 +118,13 @@ fn a_rough_ball_about_an_axis_that_is_lifted_again_is_reached() {
         (lifted - straight).abs() > 1e-5 * lifted.abs(),
         "{lifted} {straight}"
     );
+}
+
+#[test]
+fn the_force_on_a_wet_block_is_reached() {
+    let moves = [[0.0, -0.04, 0.0], [0.0, -0.08, 0.0]];
+    let problem = wet(rough(elastic(0.3), 0.0, moves));
+    assert_reached(&problem, ("force.ball.y", 0.03), &mesh(square(48)));
 }
 
 /// Bodies that touch, rub or are tied: the mesh of both is refined.

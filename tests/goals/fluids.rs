@@ -9,7 +9,7 @@ use signorini::report::{StepReport, Tightness};
 use signorini::scene::{Fluid, GoalErrors, GoalQuestions, MaterialModel, Modulus};
 
 /// A block under a ball and a bar whose left side and lid water wets up to the ball.
-fn wet(mut problem: Problem) -> Problem {
+pub(crate) fn wet(mut problem: Problem) -> Problem {
     problem.scene.fluids = vec![Fluid {
         name: "water".to_owned(),
         on: vec!["x0".to_owned(), "y1".to_owned()],
