@@ -54,5 +54,5 @@ def test_every_example_of_the_command_line_comes_with_the_package() -> None:
 
 
 def test_an_unknown_example_says_which_there_are() -> None:
-    with pytest.raises(FileNotFoundError, match=r"there are bellows, .*, o-ring, .*, tyre"):
+    with pytest.raises(FileNotFoundError, match=r"there are backed-ring, .*, o-ring, .*, tyre"):
         s.example("o_ring")
