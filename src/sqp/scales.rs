@@ -181,12 +181,15 @@ fn rounding(model: &Model<'_>, state: &State) -> f64 {
     ROUNDINGS * f64::EPSILON * length * size.powi(dimension - 2) * vertices.sqrt()
 }
 
-/// What rounding of displacements leaves of the volumes of a linear body: h^(d - 1) a vertex.
+/// What rounding of displacements leaves of the volumes of a linear body that goes as far as what is
+/// held of it, h^(d - 1) a vertex: a body that a method leads astray goes farther.
 fn volume_rounding(model: &Model<'_>, state: &State) -> f64 {
     let dimension = model.plan.problem.units.dimension as i32;
     let vertices = model.prepared.space.vertices as f64;
     let area = vertices
         .powf(-1.0 / f64::from(dimension))
         .powi(dimension - 1);
-    ROUNDINGS * f64::EPSILON * largest(&state.displacement) * area * vertices.sqrt()
+    let held = model.prepared.held.entries.iter();
+    let ways = held.map(|&entry| state.displacement[entry as usize].abs());
+    ROUNDINGS * f64::EPSILON * ways.fold(0.0, f64::max) * area * vertices.sqrt()
 }
