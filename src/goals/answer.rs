@@ -312,17 +312,29 @@ fn leave_out_derivatives(
         }
         other => other?,
     }
-    if asks_for_derivatives && rubs_in_space(model) {
+    let inexact = [
+        (
+            rubs_in_space(model),
+            "where bodies rub on each other in space",
+        ),
+        (has_films(model), "beside fluids that come between bodies"),
+    ];
+    let mut inexact = inexact.into_iter().filter(|(is_so, _)| *is_so);
+    if let Some((_, place)) = inexact.next().filter(|_| asks_for_derivatives) {
         asked.parameters.clear();
         refused.push(GoalError::Absent {
             text: "to".to_owned(),
-            cause:
-                "derivatives where bodies rub on each other in space are not exact yet; values and \
-                    bounds are told"
-                    .to_owned(),
+            cause: format!("derivatives {place} are not exact yet; values and bounds are told"),
         });
     }
     Ok(())
+}
+
+/// Whether a fluid may come between bodies: what is wet of the surface that does not carry goes along
+/// with what it slides over, which the matrix leaves out.
+fn has_films(model: &Model<'_>) -> bool {
+    let problem = &model.plan.problem;
+    !problem.resolved.fluids.is_empty() && !problem.pairs.is_empty()
 }
 
 /// Whether bodies in space rub on each other, whose matrix leaves out how borders of pieces move with

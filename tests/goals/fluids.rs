@@ -1,6 +1,7 @@
 //! Goals beside fluids: near a state the same nodes are wet, so that derivatives agree with differences
 //! of whole solves, the fluid's own pressure among the parameters.
 
+use crate::bodies::{of_rubber, touching};
 use crate::common::assert_converged;
 use crate::common::meshes::{mesh, square};
 use crate::common::scenes::{obstacle, plane, push};
@@ -130,4 +131,34 @@ fn where_a_front_ends_is_in_the_bound() {
             "{count}: {error:e} {bound:e}"
         );
     }
+}
+
+/// What is wet of the other surface goes along with what it slides over.
+#[test]
+fn derivatives_beside_fluids_between_bodies_are_refused() {
+    let mut problem = touching(of_rubber(), ["up_y0", "low_y1"]);
+    problem.scene.fluids = vec![Fluid {
+        name: "water".to_owned(),
+        on: vec!["up_y0".to_owned(), "low_y1".to_owned(), "low_x1".to_owned()],
+        from: vec!["low_x1".to_owned()],
+        dry: vec!["up_x0".to_owned()],
+        pressure: 1e-3,
+        ..Fluid::default()
+    }];
+    problem.scene.questions = vec![GoalQuestions {
+        goals: vec!["force.ball.y".parse().expect("a goal")],
+        parameters: vec![
+            "material.up_body.shear_modulus"
+                .parse()
+                .expect("a parameter"),
+        ],
+        ..GoalQuestions::default()
+    }];
+    let report = last(&problem);
+    assert!(report.goals[0].derivatives.is_empty());
+    let refused = report.goals_refused.expect("a cause");
+    assert!(
+        refused.contains("fluids that come between bodies"),
+        "{refused}"
+    );
 }
