@@ -291,6 +291,16 @@ pub(super) fn node_positions(body: &Deformed<'_>, face: &ContactFace) -> [[f64; 
     values
 }
 
+impl<'a> Deformed<'a> {
+    /// The body with another displacement.
+    pub fn displaced(&self, displacement: &'a [f64]) -> Self {
+        Self {
+            displacement,
+            ..*self
+        }
+    }
+}
+
 impl Deformed<'_> {
     /// Place of a vertex; of an edge that of its middle less the mean of its ends.
     pub fn place(&self, node: usize) -> [f64; 3] {

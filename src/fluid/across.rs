@@ -13,7 +13,7 @@ use std::borrow::Cow;
 
 use super::surface::FluidSurface;
 
-/// Share of a place that has to be wet; chosen.
+/// Share of a place that has to be wet, without unit; chosen.
 const HALF: f64 = 0.5;
 
 /// A node that lies on another part of the surface.

@@ -18,7 +18,7 @@ use crate::model::held::mask;
 use crate::plan::pairs::ALIKE;
 use crate::scene::validate::joined_parts;
 
-/// Share of a motion by which parts of it differ that are the same.
+/// Share of a motion by which parts of it differ that are the same, without unit: rounding.
 const SAME: f64 = 1e-12;
 
 /// Least and greatest motion of what is held.

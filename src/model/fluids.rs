@@ -18,7 +18,8 @@ use super::nodal_contact::NodalContact;
 use super::pressures::pressed;
 use super::state::State;
 use crate::assembly::follower::{
-    FollowerPressure, PressureValues, add_follower_load, follower_sum, follower_tangent,
+    FollowerPressure, PressedBody, PressureValues, add_follower_load, follower_sum,
+    follower_tangent,
 };
 use crate::fluid::across::{Across, joined};
 use crate::fluid::front::Front;
@@ -101,7 +102,8 @@ pub(crate) fn fluid_load(model: &Model<'_>, state: &State, index: usize) -> ([f6
 /// crosses: with what presses there or what does not yet, whichever is more; with its cell.
 pub(crate) fn front_works(model: &Model<'_>, state: &State, y: &[f64]) -> Vec<(usize, f64)> {
     let problem = &model.plan.problem;
-    let mut works = Vec::new();
+    let body = pressed(model, moved(model, state));
+    let (mut works, mut load) = (Vec::new(), vec![0.0; y.len()]);
     for (index, wet) in nodal_pressures(model, state) {
         let surface = &problem.fluid_surfaces[index];
         let mut all = wet.clone();
@@ -115,7 +117,7 @@ pub(crate) fn front_works(model: &Model<'_>, state: &State, y: &[f64]) -> Vec<(u
         });
         for (&facet, _) in crossed {
             let [pressed, whole] =
-                [&wet, &all].map(|nodal| work_on(model, state, (facet, nodal), y));
+                [&wet, &all].map(|nodal| work_on(&body, (facet, nodal), y, &mut load));
             let cell = model.mesh.facet_cell(facet as usize).0;
             works.push((cell, pressed.abs().max((whole - pressed).abs())));
         }
@@ -123,21 +125,26 @@ pub(crate) fn front_works(model: &Model<'_>, state: &State, y: &[f64]) -> Vec<(u
     works
 }
 
-/// What `y` does with pressures at nodes on one facet.
-fn work_on(model: &Model<'_>, state: &State, (facet, nodal): (u32, &[f64]), y: &[f64]) -> f64 {
-    let space = &model.prepared.space;
-    let c = space.components;
-    let mut load = vec![0.0; y.len()];
+/// What `y` does with pressures at nodes on one facet; `load` is zero before and after.
+fn work_on(
+    body: &PressedBody<'_>,
+    (facet, nodal): (u32, &[f64]),
+    y: &[f64],
+    load: &mut [f64],
+) -> f64 {
+    let c = body.space.components;
     let one = FollowerPressure {
         facets: &[facet],
         pressure: PressureValues::Nodes(nodal),
     };
-    add_follower_load(&pressed(model, moved(model, state)), &[one], &mut load);
-    let nodes = space.facet_nodes(model.mesh.facet(facet as usize));
+    add_follower_load(body, &[one], load);
+    let nodes = body.space.facet_nodes(body.mesh.facet(facet as usize));
     let entries = nodes
         .iter()
         .flat_map(|&node| node as usize * c..(node as usize + 1) * c);
-    entries.map(|entry| load[entry] * y[entry]).sum()
+    entries
+        .map(|entry| std::mem::take(&mut load[entry]) * y[entry])
+        .sum()
 }
 
 /// What the fluids take off the stiffness at a state; none where none follows the body.

@@ -19,7 +19,7 @@ use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
 /// Lengths that differ by less of the extent of the mesh are equal: in a mesh and its mirror image they
-/// differ by rounding.
+/// differ by rounding; without unit, chosen.
 const ALIKE: f64 = 1e-6;
 
 /// Place of each face in the order `[faces]`.

@@ -233,14 +233,7 @@ fn frame((x, y): (f64, f64)) -> [[f64; 3]; 2] {
 
 /// Where nodes are that `start` displaces.
 fn place_at<'a>(body: &Deformed<'a>, start: &'a [f64]) -> impl Fn(u32) -> [f64; 2] + Sync + 'a {
-    let at = Deformed {
-        displacement: start,
-        mesh: body.mesh,
-        scale: body.scale,
-        space: body.space,
-        rule: body.rule,
-        measure: body.measure,
-    };
+    let at = body.displaced(start);
     move |node| {
         let [x, y, _] = at.place(node as usize);
         [x, y]

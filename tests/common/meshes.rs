@@ -449,3 +449,30 @@ fn add_side(parts: &mut MeshParts, axis: usize, end: u8) {
         members: (first as u32..(parts.facets.len() / width) as u32).collect(),
     });
 }
+
+/// The same mesh with a group of the facets of `on` whose middles `is_in`.
+pub(crate) fn with_group(
+    mut parts: MeshParts,
+    on: &str,
+    name: &str,
+    is_in: impl Fn([f64; 3]) -> bool,
+) -> MeshParts {
+    let width = parts.cell_kind.facet_vertices();
+    let members = parts.groups.iter().find(|group| group.name == on);
+    let members = members.expect("a group").members.iter().copied();
+    let middle = |facet: u32| {
+        let corners = &parts.facets[facet as usize * width..][..width];
+        let sum = corners.iter().fold([0.0; 3], |sum, &v| {
+            let x = parts.coordinates[v as usize];
+            [0, 1, 2].map(|i| sum[i] + x[i] / width as f64)
+        });
+        is_in(sum)
+    };
+    let members = members.filter(|&facet| middle(facet)).collect();
+    parts.groups.push(Group {
+        name: name.to_owned(),
+        kind: GroupKind::Facets,
+        members,
+    });
+    parts
+}

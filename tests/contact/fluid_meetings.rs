@@ -5,10 +5,10 @@
 
 use std::sync::Arc;
 
-use crate::common::meshes::{mesh, unit_grid};
+use crate::common::meshes::{mesh, unit_grid, with_group};
 use crate::common::scenes::{plane, support};
 use crate::common::{assert_converged, solve};
-use crate::fluids::{LOAD, Lid, block, jack, last, raised, with_group};
+use crate::fluids::{LOAD, Lid, block, jack, last, raised};
 use signorini::report::{FluidResult, Tightness};
 use signorini::scene::{Fluid, FluidLoad};
 use signorini::{Mesh, Scene, Step};

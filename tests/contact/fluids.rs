@@ -5,44 +5,17 @@
 
 use std::sync::Arc;
 
-use crate::common::meshes::{mesh, moved, unit_grid};
+use crate::common::meshes::{mesh, moved, unit_grid, with_group};
 use crate::common::scenes::{
     elastic, in_parts, mooney_rivlin, obstacle, plane, probe, push, rubber, support, traction,
 };
 use crate::common::{assert_converged, close, run, solve, take};
 use signorini::report::{ObstacleResult, StepReport, Tightness};
 use signorini::scene::{Fluid, FluidLoad, FluidTarget, FluidThreshold, RubberModel, Shape};
-use signorini::{Cause, Group, GroupKind, Mesh, MeshParts, Scene, Step, Termination};
+use signorini::{Cause, Mesh, MeshParts, Scene, Step, Termination};
 
 /// Load on the lid.
 pub(super) const LOAD: f64 = 0.5;
-
-/// The same mesh with a group of the facets of `on` whose middles `is_in`.
-pub(super) fn with_group(
-    mut parts: MeshParts,
-    on: &str,
-    name: &str,
-    is_in: impl Fn([f64; 3]) -> bool,
-) -> MeshParts {
-    let width = parts.cell_kind.facet_vertices();
-    let members = parts.groups.iter().find(|group| group.name == on);
-    let members = members.expect("a group").members.iter().copied();
-    let middle = |facet: u32| {
-        let corners = &parts.facets[facet as usize * width..][..width];
-        let sum = corners.iter().fold([0.0; 3], |sum, &v| {
-            let x = parts.coordinates[v as usize];
-            [0, 1, 2].map(|i| sum[i] + x[i] / width as f64)
-        });
-        is_in(sum)
-    };
-    let members = members.filter(|&facet| middle(facet)).collect();
-    parts.groups.push(Group {
-        name: name.to_owned(),
-        kind: GroupKind::Facets,
-        members,
-    });
-    parts
-}
 
 /// The unit square with the first eighth of its sole as group `start`.
 pub(super) fn block() -> Arc<Mesh> {

@@ -3,12 +3,10 @@
 
 use std::sync::Arc;
 
-use crate::common::meshes::{mesh, moved, unit_box, unit_grid};
+use crate::common::meshes::{mesh, moved, unit_box, unit_grid, with_group};
 use crate::common::scenes::{elastic, in_parts, obstacle, plane, push, support};
 use crate::common::{assert_converged, close, solve};
-use crate::fluids::{
-    last, plate_down, raised, rolled, under_a_roller, wave_parts, wavy, with_group,
-};
+use crate::fluids::{last, plate_down, raised, rolled, under_a_roller, wave_parts, wavy};
 use signorini::report::StepReport;
 use signorini::scene::{Film, Fluid, FluidLoad, SceneKind};
 use signorini::{Mesh, MeshParts, Scene};

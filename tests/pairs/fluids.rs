@@ -7,44 +7,15 @@
 use std::sync::Arc;
 
 use super::scenes::{between, joined, linear_of, rubber};
-use crate::common::meshes::{mesh, moved, unit_box, unit_grid};
+use crate::common::meshes::{mesh, moved, unit_box, unit_grid, with_group};
 use crate::common::scenes::{HELD_IN_PLANE, in_parts, obstacle, plane, pull, support, traction};
 use crate::common::{assert_converged, close, run, solve, take, values};
 use signorini::report::Tightness;
 use signorini::scene::{Fluid, FluidLoad, FluidTarget, FluidThreshold, SceneKind, SupportTarget};
-use signorini::{
-    Cause, FieldName, Group, GroupKind, Mesh, MeshParts, Scene, Step, StepReport, Termination,
-};
+use signorini::{Cause, FieldName, Mesh, MeshParts, Scene, Step, StepReport, Termination};
 
 /// Load on the lid.
 const LOAD: f64 = 0.5;
-
-/// The same mesh with a group of the facets of `on` whose middles `is_in`.
-fn with_group(
-    mut parts: MeshParts,
-    on: &str,
-    name: &str,
-    is_in: impl Fn([f64; 3]) -> bool,
-) -> MeshParts {
-    let width = parts.cell_kind.facet_vertices();
-    let group = parts.groups.iter().find(|group| group.name == on);
-    let members = group.expect("a group").members.iter().copied();
-    let middle = |facet: u32| {
-        let corners = &parts.facets[facet as usize * width..][..width];
-        let sum = corners.iter().fold([0.0; 3], |sum, &v| {
-            let x = parts.coordinates[v as usize];
-            [0, 1, 2].map(|i| sum[i] + x[i] / width as f64)
-        });
-        is_in(sum)
-    };
-    let members = members.filter(|&facet| middle(facet)).collect();
-    parts.groups.push(Group {
-        name: name.to_owned(),
-        kind: GroupKind::Facets,
-        members,
-    });
-    parts
-}
 
 fn fluid(on: &[&str], from: &[&str], dry: &[&str]) -> Fluid {
     let names = |all: &[&str]| all.iter().map(|name| (*name).to_owned()).collect();

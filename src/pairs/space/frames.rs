@@ -18,7 +18,7 @@ use crate::pairs::ground::Ground;
 
 /// Cosine between a normal and what is held from which on that says nothing about tangents; chosen.
 const ALONG: f64 = 0.9;
-/// Coordinates over the extent of the mesh that are the same.
+/// Difference of coordinates over the extent of the mesh that is rounding, without unit; chosen.
 const SAME: f64 = 1e-9;
 
 /// t_1 and t_2; zero where there is none.

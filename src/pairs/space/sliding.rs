@@ -255,14 +255,7 @@ impl SpaceSides {
         start: &[f64],
         surface: &ContactSurface,
     ) -> (Before, Vec<Frame>) {
-        let at = Deformed {
-            displacement: start,
-            mesh: body.mesh,
-            scale: body.scale,
-            space: body.space,
-            rule: body.rule,
-            measure: body.measure,
-        };
+        let at = body.displaced(start);
         let place = |node: u32| at.place(node as usize);
         let patches = self.pair.carrier.patches(&place);
         let before = Before {

@@ -80,6 +80,22 @@ fn nothing_has_slid_in_space_where_the_same_points_are_opposite() {
     }
 }
 
+/// Notes how much differences over h of `ends` miss entries of `rows` by, and the largest of those.
+fn see(
+    rows: &[Row],
+    (unknown, h): (usize, f64),
+    ends: &[Vec<f64>; 2],
+    (miss, size): (&mut f64, &mut f64),
+) {
+    for (k, row) in rows.iter().enumerate() {
+        let own = row.iter().filter(|(j, _)| *j as usize == unknown);
+        let own: f64 = own.map(|(_, value)| value).sum();
+        let change = (ends[1][k] - ends[0][k]) / (2.0 * h);
+        *miss = miss.max((change - own).abs());
+        *size = size.max(own.abs());
+    }
+}
+
 #[test]
 fn derivatives_of_slips_in_space_are_those_of_differences() {
     let h = 1e-6;
@@ -89,13 +105,7 @@ fn derivatives_of_slips_in_space_are_those_of_differences() {
         let (mut miss, mut size) = (0.0_f64, 0.0_f64);
         for unknown in (0..3 * bodies.places.len()).step_by(13) {
             let ends = [-h, h].map(|by| slips(&bodies.moved(unknown, by), &start));
-            for (k, row) in rows.iter().enumerate() {
-                let own = row.iter().filter(|(j, _)| *j as usize == unknown);
-                let own: f64 = own.map(|(_, value)| value).sum();
-                let change = (ends[1][k] - ends[0][k]) / (2.0 * h);
-                miss = miss.max((change - own).abs());
-                size = size.max(own.abs());
-            }
+            see(&rows, (unknown, h), &ends, (&mut miss, &mut size));
         }
         assert!(miss < bound * size, "{miss:e} {size:e}");
     }
@@ -142,13 +152,7 @@ fn changes_of_tractions_in_space_are_those_of_differences() {
         let (mut miss, mut size) = (0.0_f64, 0.0_f64);
         for unknown in (0..rows.len()).step_by(17) {
             let ends = [-h, h].map(|by| force(&bodies.moved(unknown, by)));
-            for (k, row) in rows.iter().enumerate() {
-                let own = row.iter().filter(|(j, _)| *j as usize == unknown);
-                let own: f64 = own.map(|(_, value)| value).sum();
-                let change = (ends[1][k] - ends[0][k]) / (2.0 * h);
-                miss = miss.max((change - own).abs());
-                size = size.max(own.abs());
-            }
+            see(&rows, (unknown, h), &ends, (&mut miss, &mut size));
         }
         assert!(miss < bound * size, "{miss:e} {size:e}");
     }
