@@ -23,14 +23,6 @@ pub enum AdaptionError {
     /// A goal has no error.
     #[error("accuracy: {0}")]
     Goal(#[from] GoalError),
-    /// The steps did not converge on the first mesh.
-    #[error("step {step} did not converge on the mesh of the scene ({})", .termination.name())]
-    NotConverged {
-        /// The step, from 1.
-        step: u32,
-        /// How it ended.
-        termination: Termination,
-    },
     /// The mesh cannot be refined.
     #[error(transparent)]
     Refinement(#[from] RefinementError),

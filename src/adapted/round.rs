@@ -103,6 +103,13 @@ pub enum End {
     },
     /// The goal is zero: it has no relative error.
     Zero(String),
+    /// A step found no equilibrium on the mesh of the scene: no goal has a value.
+    NoEquilibrium {
+        /// The step, from 1.
+        step: u32,
+        /// How it ended.
+        termination: Termination,
+    },
     /// The state found no equilibrium on the next mesh; that of the mesh before is kept.
     NotConverged(Termination),
     /// The next mesh has no answer; that of the mesh before is kept.
@@ -127,7 +134,7 @@ impl End {
             Self::Facets { .. } => "facets",
             Self::Solver { .. } => "solver",
             Self::Zero(_) => "zero",
-            Self::NotConverged(_) => "not_converged",
+            Self::NoEquilibrium { .. } | Self::NotConverged(_) => "not_converged",
             Self::Failed(_) => "failed",
         }
     }
@@ -179,6 +186,11 @@ impl fmt::Display for End {
                 "what the solver left makes {relative:.1e} of {goal}: ask for less, or give solver.tolerance"
             ),
             Self::Zero(goal) => write!(out, "{goal} is zero, which has no relative error"),
+            Self::NoEquilibrium { step, termination } => write!(
+                out,
+                "step {step} found no equilibrium on the mesh of the scene ({})",
+                termination.name()
+            ),
             Self::NotConverged(termination) => write!(
                 out,
                 "the state found no equilibrium on the next mesh ({})",

@@ -49,7 +49,7 @@ pub struct Adapted {
     pub scene: Scene,
     /// The mesh, to be refined again.
     pub hierarchy: Hierarchy,
-    /// All meshes, the last one last.
+    /// All meshes, the last one last; none where the first one has no equilibrium.
     pub rounds: Vec<Round>,
     /// Why there is no finer one.
     pub end: End,
@@ -60,8 +60,9 @@ pub struct Adapted {
 /// the state depends on its way.
 ///
 /// # Errors
-/// [`AdaptionError`] where the first mesh has no answer, or the caller cancels it. What fails on a
-/// refined mesh ends the loop with what the one before gave, a deadline among it.
+/// [`AdaptionError`] where the scene is refused, goals have no error on the first mesh, or the caller
+/// cancels it. Without an equilibrium on the first mesh there are no rounds. What fails on a refined mesh
+/// ends the loop with what the one before gave, a deadline among it.
 pub fn adapt(
     problem: Problem<'_>,
     accuracy: &Accuracy,
@@ -70,7 +71,10 @@ pub fn adapt(
     check(problem, accuracy)?;
     let mut judge = Judge::new(accuracy);
     let started = Instant::now();
-    let mut present = first(problem, &mut watch)?;
+    let mut present = match first(problem, &mut watch)? {
+        (present, None) => present,
+        (present, Some(end)) => return Ok(present.ended(Vec::new(), end)),
+    };
     let stay = [Step::default()];
     let way = Way::of(present.session.plan(), (problem.steps, &stay));
     let mut answers = present.answers(accuracy, watch.cancel)?;
@@ -95,13 +99,7 @@ pub fn adapt(
             Err(failure) => break left.failed(failure, watch.cancel)?,
         }
     };
-    Ok(Adapted {
-        session: present.session,
-        scene: present.scene,
-        hierarchy: present.hierarchy,
-        rounds,
-        end,
-    })
+    Ok(present.ended(rounds, end))
 }
 
 /// Refuses what no mesh can answer.
@@ -184,31 +182,44 @@ struct Left<'a> {
     way: Way<'a>,
 }
 
-/// All steps on the first mesh.
-fn first(problem: Problem<'_>, watch: &mut Watch<'_>) -> Result<Present, AdaptionError> {
+/// All steps on the first mesh, up to one without an equilibrium.
+fn first(
+    problem: Problem<'_>,
+    watch: &mut Watch<'_>,
+) -> Result<(Present, Option<End>), AdaptionError> {
     let started = Instant::now();
     let scene = without_questions(problem.scene);
     let plan = Arc::new(Plan::new(&scene, problem.steps, problem.mesh)?);
     let prepared = Arc::new(Prepared::build(&plan, problem.mesh, watch.cancel)?);
     let mesh = plan.body_mesh(problem.mesh);
     let mut session = Session::new(plan.clone(), problem.mesh.clone(), prepared, Reuse::Built);
-    for step in problem.steps {
-        let last = take(&mut session, step, watch)?;
-        if last.termination != Termination::Converged {
-            return Err(AdaptionError::NotConverged {
-                step: last.step,
-                termination: last.termination,
-            });
-        }
-    }
-    Ok(Present {
+    let end = taken(&mut session, problem.steps, watch)?;
+    let present = Present {
         scene: as_meshed(scene),
         hierarchy: Hierarchy::new(mesh),
         session,
         unknowns: unknowns(&plan),
         bytes: plan.first_bytes(),
         started,
-    })
+    };
+    Ok((present, end))
+}
+
+/// Takes `steps`; why there is no goal where one of them finds no equilibrium.
+fn taken(
+    session: &mut Session,
+    steps: &[Step],
+    watch: &mut Watch<'_>,
+) -> Result<Option<End>, AdaptionError> {
+    for step in steps {
+        let StepReport {
+            step, termination, ..
+        } = take(session, step, watch)?;
+        if termination != Termination::Converged {
+            return Ok(Some(End::NoEquilibrium { step, termination }));
+        }
+    }
+    Ok(None)
 }
 
 /// The scene that asks nothing of its increments.
@@ -250,6 +261,17 @@ fn take(
 }
 
 impl Present {
+    /// What the loop gives.
+    fn ended(self, rounds: Vec<Round>, end: End) -> Adapted {
+        Adapted {
+            session: self.session,
+            scene: self.scene,
+            hierarchy: self.hierarchy,
+            rounds,
+            end,
+        }
+    }
+
     fn answers(
         &self,
         accuracy: &Accuracy,

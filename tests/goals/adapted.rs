@@ -266,6 +266,21 @@ fn time_that_is_up_on_a_finer_mesh_leaves_the_one_before() {
     assert_eq!(cells, found.rounds[1].cells);
 }
 
+/// The mesh of the scene is the last one: a session on it has the reports that say why.
+#[test]
+fn without_an_equilibrium_on_the_first_mesh_there_is_no_round() {
+    let mut problem = block(rubber(mooney_rivlin(), None), 0.03, 2);
+    problem.scene.solver.max_wall_time = Some(1e-9);
+    let start = mesh(square(4));
+    let found = problem.adapted(&start, 0.02).expect("a result");
+    let end = End::NoEquilibrium {
+        step: 1,
+        termination: Termination::DeadlineExceeded,
+    };
+    assert_eq!((found.rounds.len(), found.end), (0, end));
+    assert_eq!(found.hierarchy.mesh().cell_count(), start.cell_count());
+}
+
 #[test]
 fn what_no_mesh_can_answer_is_refused() {
     let start = mesh(square(4));

@@ -33,8 +33,8 @@ impl Client {
     /// The work ends where the future is dropped.
     ///
     /// # Errors
-    /// [`ClientError::Refused`]: as for a plan, `MEMORY_BUDGET`, `REFINEMENT_FAILED` where the steps
-    /// do not converge on the mesh of the scene. [`ClientError::Protocol`] for a stream that ends
+    /// [`ClientError::Refused`]: as for a plan, `MEMORY_BUDGET`, `REFINEMENT_FAILED` where the
+    /// mesh of the scene cannot be prepared. [`ClientError::Protocol`] for a stream that ends
     /// before its last message.
     pub async fn refine_mesh(
         &self,

@@ -108,12 +108,14 @@ impl Record {
 
     /// Takes why the last mesh is that: a warning where goals are not known as well as was asked.
     pub(crate) fn refined(&mut self, end: &str, why: &str) {
+        let mut is_reached = false;
         if let Some(last) = self.rounds.last_mut() {
             last.end = Some(end.to_owned());
             last.why = Some(why.to_owned());
-            if !last.is_reached() {
-                self.warn(&[format!("accuracy: not reached: {why}")]);
-            }
+            is_reached = last.is_reached();
+        }
+        if !is_reached {
+            self.warn(&[format!("accuracy: not reached: {why}")]);
         }
     }
 

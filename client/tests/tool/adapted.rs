@@ -106,6 +106,27 @@ fn a_limit_that_comes_first_is_a_warning_and_has_an_exit_code() {
 }
 
 #[test]
+fn steps_without_an_equilibrium_leave_what_they_leave_without_accuracy() {
+    let folder = folder("steps_without_an_equilibrium");
+    let path = scene(&folder, "force.ball.y = 0.01\n");
+    let out = folder.join("out");
+    let limit = ["--set", "solver.max_wall_time=1e-9"];
+    let more = [&limit[..], &["--out", out.to_str().unwrap()]].concat();
+    let run = solved(&path, &more);
+    let plain = scene(&folder, "").replace("scene.toml", "plain.toml");
+    let text = SCENE.replace("[accuracy]\n", "");
+    std::fs::write(&plain, text).unwrap();
+    let alone = solved(&plain, &limit);
+    assert_eq!(run.code, alone.code, "{}", run.stderr);
+    let of = |run: &Run| run.events("step")[0]["termination"].clone();
+    assert_eq!(of(&run), of(&alone));
+    let why =
+        "warning: accuracy: not reached: step 1 found no equilibrium on the mesh of the scene";
+    assert!(run.stderr.contains(why), "{}", run.stderr);
+    assert!(run.events("round").is_empty() && out.join("report.html").exists());
+}
+
+#[test]
 fn what_has_no_error_is_refused_with_its_key() {
     let folder = folder("what_has_no_error");
     let of = |accuracy: &str, more: &[&str]| {

@@ -43,7 +43,7 @@ pub(crate) fn end(end: &End) -> wire::RefinementEnd {
         End::Facets { .. } => wire::RefinementEnd::Facets,
         End::Solver { .. } => wire::RefinementEnd::Solver,
         End::Zero(_) => wire::RefinementEnd::Zero,
-        End::NotConverged(_) => wire::RefinementEnd::NotConverged,
+        End::NoEquilibrium { .. } | End::NotConverged(_) => wire::RefinementEnd::NotConverged,
         End::Failed(_) => wire::RefinementEnd::Failed,
     }
 }
@@ -60,7 +60,6 @@ pub(crate) fn fault(error: AdaptionError) -> Fault {
         }
         AdaptionError::Stopped(Termination::DeadlineExceeded) => Fault::StreamDeadline,
         AdaptionError::Prepare(_)
-        | AdaptionError::NotConverged { .. }
         | AdaptionError::Refinement(_)
         | AdaptionError::NotCarried(_)
         | AdaptionError::Stopped(_)
