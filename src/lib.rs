@@ -261,7 +261,7 @@ mod verify;
 
 pub use comparisons::Comparisons;
 pub use constants::Constant;
-pub use goals::{GoalError, History};
+pub use goals::GoalError;
 pub use mesh::{CellKind, EdgeOffset, Group, GroupKind, Mesh, MeshError, MeshId, MeshParts};
 pub use plan::{LaterBytes, LeftOut, Plan, PlanEntry, PlanReport, PreparedKey};
 pub use prepare::{PrepareError, Prepared};

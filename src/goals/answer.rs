@@ -3,7 +3,7 @@
 use super::border::borderline;
 use super::bound::bound;
 use super::dual::{Dual, Purpose, dual};
-use super::error::{GoalError, History};
+use super::error::GoalError;
 use super::freed::Freed;
 use super::gradient::{Answered, Derived, Free, gradients};
 use super::history::refuse_history;
@@ -306,7 +306,7 @@ fn leave_out_derivatives(
 ) -> Result<(), GoalError> {
     let asks_for_derivatives = !asked.parameters.is_empty();
     match refuse_history((model, state), asks_for_derivatives) {
-        Err(error @ GoalError::NeedsHistory(History::Friction)) => {
+        Err(error @ GoalError::NeedsHistory) => {
             asked.parameters.clear();
             refused.push(error);
         }

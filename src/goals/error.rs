@@ -27,14 +27,13 @@ pub enum GoalError {
          converged increments"
     )]
     NotInEquilibrium(f64),
-    /// The state depends on how it was reached.
+    /// Friction in increments that did not begin at rest: the state depends on how it was reached.
     #[error(
-        "the scene has {way}: the state depends on its way, and derivatives of the last increment \
-         alone would be wrong{out}",
-        way = .0,
-        out = .0.way_out()
+        "the scene has friction over several increments: the state depends on its way, and \
+         derivatives of the last increment alone would be wrong; values and bounds are told, \
+         derivatives where the load comes in one increment"
     )]
-    NeedsHistory(History),
+    NeedsHistory,
     /// Where the last increment began is not known: its friction counts from there.
     #[error(
         "friction counts slip from where the increment began, which is not in a checkpoint: goals \
@@ -52,30 +51,4 @@ pub enum GoalError {
     /// The caller stopped it.
     #[error("stopped while goals were computed")]
     Stopped(Termination),
-}
-
-/// What makes a state depend on its way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum History {
-    /// Friction in increments that did not begin at rest.
-    Friction,
-}
-
-impl History {
-    /// What else can be asked, as the end of a message.
-    fn way_out(self) -> &'static str {
-        match self {
-            Self::Friction => {
-                "; values and bounds are told, derivatives where the load comes in one increment"
-            }
-        }
-    }
-}
-
-impl std::fmt::Display for History {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        out.write_str(match self {
-            Self::Friction => "friction over several increments",
-        })
-    }
 }

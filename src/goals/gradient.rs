@@ -16,11 +16,10 @@
 //! Cost: two evaluations of terms of the residuals a parameter, four of constants and supports that they
 //! are not linear in, for all goals together.
 
+use super::change::Change;
 use super::dual::Dual;
 use super::error::GoalError;
 use super::nodes::{self, ByNodes};
-use super::perturbed::Change;
-use super::place::Place;
 use crate::linalg::vector::norm;
 use crate::linalg::{DenseLu, DenseMatrix, Workspace};
 use crate::model::Model;
@@ -150,7 +149,8 @@ impl Free {
         parameter: &Parameter,
     ) -> Result<Vec<f64>, GoalError> {
         let change = Change::new(at, parameter)?;
-        let control = following(answered.controls, &change.place);
+        let own = change.place.control();
+        let control = answered.controls.iter().position(|one| Some(*one) == own);
         let absent = |cause: &str| {
             Err(GoalError::Absent {
                 text: parameter.to_string(),
@@ -262,19 +262,6 @@ fn spring(model: &Model<'_>, control: Control) -> f64 {
         Part::Obstacle(_) => 0.0,
         Part::Support(index) => model.plan.problem.resolved.supports[index].spring[control.axis],
     }
-}
-
-/// Which of the controls a place is.
-fn following(controls: &[Control], place: &Place) -> Option<usize> {
-    let (part, axis) = if let Place::Pose(index, axis) = place {
-        (Part::Obstacle(*index), axis)
-    } else if let Place::Support(index, axis) = place {
-        (Part::Support(*index), axis)
-    } else {
-        return None;
-    };
-    let is_it = |control: &Control| control.part == part && control.axis == *axis;
-    controls.iter().position(is_it)
 }
 
 /// Derivatives of all goals with the poses held fast.

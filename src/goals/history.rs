@@ -7,7 +7,7 @@
 //! rest, or where nothing asks for the slip: where nothing sticks, and in the plane what slips goes one
 //! way or the other.
 
-use super::error::{GoalError, History};
+use super::error::GoalError;
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::friction::{Friction, SlipStart};
@@ -29,7 +29,7 @@ pub(super) fn refuse_history(
         && !began_at_rest(model, start)
         && asks_for_slips(friction, (model, state));
     if depends {
-        Err(GoalError::NeedsHistory(History::Friction))
+        Err(GoalError::NeedsHistory)
     } else {
         Ok(())
     }

@@ -20,7 +20,7 @@
 //! | [`freed`] | a goal whose poses follow from pushes |
 //! | [`bound`], [`form`] | the error of J by the mesh, from the errors of x and y |
 //! | [`nodes`] | the derivative by the places of all vertices |
-//! | [`place`], [`perturbed`], [`gradient`] | the derivative of J + y . R with the state held fast |
+//! | [`parameters`], [`change`], [`perturbed`], [`gradient`] | the derivative of J + y . R with the state held fast |
 //!
 //! Where points slip x has no traction of its own: it follows its pressure, so that K is not
 //! symmetric. Nothing of a session is changed by asking. Bodies whose state does not depend
@@ -29,6 +29,7 @@
 mod answer;
 mod border;
 mod bound;
+mod change;
 mod dual;
 mod error;
 mod form;
@@ -37,11 +38,11 @@ mod gradient;
 mod history;
 mod nodes;
 mod own_contact;
+mod parameters;
 mod perturbed;
-mod place;
 mod resolved;
 mod transposed;
 
-pub use error::{GoalError, History};
+pub use error::GoalError;
 
 pub(crate) use answer::{Answers, answer};
