@@ -90,10 +90,13 @@ def rest(solver, drive, state, before):
     tractions = none.copy()
     tractions[closed] = values[len(closed) :]
     ways = slips / np.maximum(surface.areas, 1e-300) / solver.length
-    spare = solver.limits(multipliers) - np.abs(tractions)
+    # A steep bound multiplies what least squares leave of pressures that are next to none.
+    noise = PRESSING * largest
+    over = np.abs(tractions) - solver.limits(multipliers + noise)
+    spare = np.maximum(solver.limits(multipliers - noise) - np.abs(tractions), 0.0)
     left |= {
-        "bound": -spare.min(initial=0.0) / largest,
-        "stuck": np.abs(np.minimum(spare / largest, np.abs(ways)) * (multipliers > 0.0)).max(initial=0.0),
+        "bound": over.max(initial=0.0) / largest,
+        "stuck": np.minimum(spare / largest, np.abs(ways)).max(initial=0.0),
         "against": np.minimum(ways * np.sign(tractions), np.abs(tractions) / largest).max(initial=0.0),
     }
     if max(value for what, value in left.items() if what != UNDECIDED) <= SMALL or (solver.bound > 0.0).any():

@@ -1,11 +1,12 @@
 """Equilibria of bodies in contact with friction by a semismooth Newton method on the whole system:
 
-    dE/du - load + C' Lam - R' q = 0,   |q_j| <= mu Lam_j (or a bound, where Lam_j > 0),
-    S_j = 0 where less, else q_j = -mu Lam_j sign S_j
+    dE/du - load + C' Lam - R' q = 0,   |q_j| <= mu Lam_j, or min(b, k Lam_j) of a bound b with k = 1e9,
+    S_j = 0 where less, else q_j = -mu Lam_j sign S_j, or that of the bound
 
 Slips S and their start as in `pair_slip`: of a whole increment, implicit. What an increment is solved in parts for is
 a first guess only. Linear bodies have R where they first touch and S = R (u - u0). A multiplier is open, sticks, or
-slips one way.
+slips one way; where no such states are an equilibrium, one of a bound may rest between open and pressed, slipping with
+next to no Lam = |q| / k.
 """
 from dataclasses import dataclass, replace
 
@@ -20,13 +21,15 @@ from saddle_newton import SIGN, TOLERANCE, NotConverged
 from saddle_surface import matrix
 
 MOST_ITERATIONS = 30
-OPEN, STICK, SLIP = 0, 1, 2
+OPEN, STICK, SLIP, BETWEEN = 0, 1, 2, 3
+# k, without unit.
+STEEP = 1e9
 
 
 @dataclass
 class State:
-    """Displacements, pressures, multipliers, tractions and what each of them does: OPEN, STICK, SLIP or -SLIP by the
-    sign of S."""
+    """Displacements, pressures, multipliers, tractions and what each of them does: OPEN, STICK, SLIP or BETWEEN,
+    or less these by the sign of S."""
 
     u: np.ndarray
     p: np.ndarray
@@ -80,6 +83,8 @@ class RoughSolver(Rounding):
         count = [pair.multipliers for pair in self.surface.pairs]
         self.coefficient = np.repeat([table.get("friction", 0.0) for table in problem.contacts], count)
         self.bound = np.repeat([table.get("tresca", 0.0) for table in problem.contacts], count)
+        # Whether Newton's method looks for states between open and pressed.
+        self.rests_between = False
 
     def rest(self):
         plain = super().rest()
@@ -108,16 +113,19 @@ class RoughSolver(Rounding):
 
     def limits(self, multipliers):
         """Largest tractions."""
-        return np.where(self.bound > 0.0, self.bound * (multipliers > 0.0), self.coefficient * multipliers)
+        return np.where(self.bound > 0.0, np.minimum(self.bound, STEEP * multipliers), self.coefficient * multipliers)
 
     def equilibrium(self, state, drive):
-        """With one weight of gaps and slips beside pressures after the other."""
-        for weight in WEIGHTS[:-1]:
+        """With one weight of gaps and slips beside pressures after the other, then with states between."""
+        has_bound = (self.bound > 0.0).any()
+        ways = [(weight, between) for between in (False, True)[: 1 + has_bound] for weight in WEIGHTS]
+        for weight, self.rests_between in ways[:-1]:
             try:
                 return self.by_weight(state, drive, weight)
             except (NotConverged, np.linalg.LinAlgError):
                 continue
-        return self.by_weight(state, drive, WEIGHTS[-1])
+        weight, self.rests_between = ways[-1]
+        return self.by_weight(state, drive, weight)
 
     def by_weight(self, state, drive, weight):
         """Newton's method at one drive."""
@@ -159,19 +167,20 @@ class RoughSolver(Rounding):
         free = self.free
         k, b = stiffness[free][:, free], body.divergence[:, free]
         c, r = coupling[closed][:, free], sp.csr_matrix(rows[closed][:, free])
-        way = np.sign(status) * (np.abs(status) == SLIP)
-        coulomb = np.where(self.bound > 0.0, 0.0, self.coefficient) * way
+        is_between = np.abs(status) == BETWEEN
+        way = np.sign(status) * (np.abs(status) >= SLIP)
+        coulomb = np.where(is_between, 1.0, np.where(self.bound > 0.0, 0.0, self.coefficient)) * way
         is_stuck = sp.diags(sticks[closed].astype(float))
         law = [
-            is_stuck @ sp.csr_matrix(slope[closed][:, free]), None,
-            sp.diags(np.where(sticks, 0.0, coulomb)[closed]), sp.diags(np.where(sticks, 0.0, 1.0)[closed]),
+            is_stuck @ sp.csr_matrix(slope[closed][:, free]), None, sp.diags(np.where(sticks, 0.0, coulomb)[closed]),
+            sp.diags(np.where(sticks, 0.0, np.where(is_between, 1.0 / STEEP, 1.0))[closed]),
         ]
         system = sp.bmat([[k, b.T, c.T, -r.T], [b, -body.compressibility, None, None], [c, None, None, None], law])
         right = np.concatenate([
             -(body.forces - drive.load * self.problem.load + stiffness @ known)[free],
             -body.defects - body.divergence @ known,
             (gaps - coupling @ known)[closed],
-            np.where(sticks, -slips - slope @ known, -way * self.bound)[closed],
+            np.where(sticks, -slips - slope @ known, -way * self.bound * ~is_between)[closed],
         ])
         found = general(system, right)
         if not np.isfinite(found).all():
@@ -208,7 +217,17 @@ class RoughSolver(Rounding):
         # Up to rounding what slips goes on.
         goes_on = (np.abs(state.status) == SLIP) & (np.abs(trial) > limits - sign) & (trial * state.status < 0.0)
         chosen = np.where(goes_on, state.status, chosen)
-        return np.where(pressing > np.where(closed, -sign, sign), chosen, OPEN).astype(int)
+        chosen = np.where(pressing > np.where(closed, -sign, sign), chosen, OPEN)
+        return self.between(state, chosen).astype(int) if self.rests_between else chosen.astype(int)
+
+    def between(self, state, chosen):
+        """What slips by a bound and would open rests between, until its traction is the bound or turns."""
+        against = -state.tractions * np.sign(state.status)
+        opens = (np.abs(state.status) == SLIP) & (chosen == OPEN) & (self.bound > 0.0)
+        rests = np.abs(state.status) == BETWEEN
+        chosen = np.where(rests, np.where(against > 0.0, state.status, OPEN), chosen)
+        chosen = np.where(rests & (against > self.bound), SLIP * np.sign(state.status), chosen)
+        return np.where(opens, BETWEEN * np.sign(state.status), chosen)
 
     def friction(self, state):
         """Of each contact: force on the carrier and on the other body, and what slips have dissipated."""
