@@ -138,9 +138,15 @@ fn at_rest(model: &Model<'_>, now: &Evaluation) -> f64 {
 
 /// Norm of a force that stands for one where none at hand is larger: in a body without load a
 /// stress of some [`LEAST_STRESS`] shear moduli, and in any body one beside which the rounding
-/// of its displacements meets the tolerance.
+/// of its displacements meets the tolerance. Of bodies that are carried as a whole and meet nothing that
+/// rounding is all there is, in the moduli of the stiffest.
 pub(super) fn least_force(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
-    at_rest(model, now).max(rounding(model, state) / model.conditions.tolerance)
+    let (noise, tolerance) = (rounding(model, state), model.conditions.tolerance);
+    let materials = model.plan.problem.resolved.materials.iter();
+    let stiffest = materials.fold(0.0, |most: f64, one| most.max(one.law.shear_modulus));
+    let most = noise * (stiffest / model.plan.problem.units.stress).max(1.0);
+    let is_carried = norm(&now.force) <= most && now.gap_norm(state) == 0.0;
+    at_rest(model, now).max(if is_carried { most } else { noise } / tolerance)
 }
 
 /// Whether the residuals of force and volume at `now` are no more than [`ROUNDINGS`] times what

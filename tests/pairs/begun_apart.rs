@@ -2,12 +2,12 @@
 //! touch, however far the gap was.
 
 use signorini::scene::SceneKind;
-use signorini::{MeshParts, Scene, Step, StepReport};
+use signorini::{MeshParts, Scene, Step, StepReport, Termination};
 
-use super::scenes::{between, joined, linear_of};
+use super::scenes::{between, joined, linear_of, rubber as rubber_of};
 use crate::common::meshes::{curved_file_placed, mesh, moved, unit_box, unit_grid};
-use crate::common::run_one;
 use crate::common::scenes::{HELD_IN_PLANE, pull, support};
+use crate::common::{run_one, solve};
 
 /// How far the bodies are pressed beyond touch.
 const PRESS: f64 = 0.05;
@@ -78,6 +78,35 @@ fn cubes_press_by_what_they_are_pressed_beyond_touch() {
         let (_, report) = run_one(&scene, &step, &body);
         let force = report.contacts["pair"].force[2].abs();
         assert!((force / in_series() - 1.0).abs() < 1e-8, "{gap} {force}");
+    }
+}
+
+/// A stiff block above a soft one, led through the gap in four increments: as long as it meets nothing it goes as
+/// a whole, and what it leaves of forces is the rounding of its own moduli.
+#[test]
+fn stiff_rubber_is_led_through_a_gap_to_what_it_presses() {
+    let force = |contrast: f64, increments: u32| {
+        let upper = moved(unit_grid(2, 2), |[x, y, z]| [0.2 + 0.6 * x, y + 1.05, z]);
+        let body = mesh(joined(&[("a_", unit_grid(4, 4)), ("b_", upper)]));
+        let mut scene = Scene {
+            supports: vec![
+                support("a_y0", HELD_IN_PLANE),
+                support("b_y1", HELD_IN_PLANE),
+            ],
+            contacts: between("a_y1", "b_y0"),
+            ..rubber_of([("a_body", 1.0), ("b_body", contrast)], None)
+        };
+        scene.contacts[0].carries = Some("b_y0".to_owned());
+        let step: Step = pull("b_y1", [Some(0.1), Some(-0.15), None], increments);
+        let reports = solve(&scene, &[step], &body);
+        let last = reports.last().expect("a report");
+        assert_eq!(last.termination, Termination::Converged, "{contrast}");
+        assert_eq!(reports.len(), increments as usize, "{contrast}");
+        last.contacts["pair"].force[1]
+    };
+    for contrast in [30.0, 1e3, 1e4, 1e6] {
+        let [one, four] = [1, 4].map(|increments| force(contrast, increments));
+        assert!((one / four - 1.0).abs() < 1e-6, "{contrast} {one} {four}");
     }
 }
 
