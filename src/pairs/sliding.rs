@@ -57,10 +57,14 @@ impl PairSurface {
             };
             row.iter().map(by).sum()
         };
-        Sliding {
+        let mut sliding = Sliding {
             slips: rest.rows.iter().map(change).collect(),
             ..rest.clone()
+        };
+        if let Sides::Space(sides) = &self.sides {
+            sides.hold((&mut sliding, surface), [body.displaced(start), *body]);
         }
+        sliding
     }
 
     /// dS `[multipliers * tangents]` without `held` columns; none of a linear body, whose rows are dS.

@@ -3,7 +3,7 @@
 //! Shapes: of each face of the carrier the functions of its corners and edges, in the order that turns
 //! its normal out of the body. Cost: see [`super::pair`].
 
-use super::frames::{Home, homes};
+use super::frames::{Tangents, tangents};
 use super::pair::{Pair, Placed};
 use super::patch::NODES;
 use super::probing::Probing;
@@ -19,7 +19,7 @@ pub struct SpaceSides {
     /// Functions of each face of the carrier `[faces]`.
     functions: Vec<[u32; NODES]>,
     /// What tangents of the functions follow `[functions]`.
-    homes: Vec<Home>,
+    tangents: Vec<Tangents>,
 }
 
 impl SpaceSides {
@@ -48,15 +48,15 @@ impl SpaceSides {
         let functions: Vec<[u32; NODES]> = functions.collect();
         let count = surface.carriers.len();
         Self {
-            homes: homes(ground, [&pair.carrier, &pair.other], (&functions, count)),
+            tangents: tangents(ground, [&pair.carrier, &pair.other], (&functions, count)),
             functions,
             pair,
         }
     }
 
     /// What tangents of a function follow.
-    pub(super) fn home(&self, function: u32) -> &Home {
-        &self.homes[function as usize]
+    pub(super) fn tangents(&self, function: u32) -> &Tangents {
+        &self.tangents[function as usize]
     }
 
     fn placed(&self, body: &Deformed<'_>) -> Placed<'_> {

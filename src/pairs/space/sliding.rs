@@ -11,7 +11,7 @@
 //! `[functions * 3]`. Cost: W some three times the rows of gaps.
 
 use super::bends::{FaceBend, Part, parts};
-use super::frames::{Frame, HomeAt};
+use super::frames::{Frame, IsMoved, TangentsAt, held_alike, is_moved};
 use super::normals::Row;
 use super::pair::Meeting;
 use super::patch::Patch;
@@ -173,10 +173,18 @@ impl SpaceSides {
         surface: &ContactSurface,
     ) -> Sliding {
         self.gaps_of(body, surface.carriers.len(), |gaps| {
-            let frames = self.frames(&gaps.placed().patches, surface);
-            let slips = match from {
-                From::Start(start) => self.slips((gaps, surface), body, start),
-                From::Rest => vec![0.0; TANGENTS * frames.len()],
+            let patches = &gaps.placed().patches;
+            let (frames, slips) = match from {
+                From::Start(start) => {
+                    let is_moved = is_moved([body.displaced(start), *body]);
+                    let slips = self.slips((gaps, surface), body, start);
+                    (self.frames(patches, surface, &is_moved), slips)
+                }
+                From::Rest => {
+                    let frames = self.all_frames(patches, surface);
+                    let none = vec![0.0; TANGENTS * frames.len()];
+                    (frames, none)
+                }
             };
             let [covered, _] = gaps.covered();
             Sliding {
@@ -228,7 +236,7 @@ impl SpaceSides {
     ) -> Vec<Row> {
         self.gaps_of(body, surface.carriers.len(), |gaps| {
             let patches = &gaps.placed().patches;
-            let frames = self.frames(patches, surface);
+            let frames = self.all_frames(patches, surface);
             let spread = spread((&frames, tractions), surface);
             let mut rows = gaps.pull_changes(&spread);
             let pulls = gathered(gaps.pulls(From::Start(&[])), surface);
@@ -240,8 +248,8 @@ impl SpaceSides {
                 if s1 == 0.0 && s2 == 0.0 {
                     continue;
                 }
-                let home = HomeAt::new(self.home(k), patches);
-                let turned = home.rows(&self.pair.carrier, [s1, s2]);
+                let tangents = TangentsAt::new(self.tangents(k), patches);
+                let turned = tangents.rows(&self.pair.carrier, [s1, s2]);
                 add_products((&pulls, m), &turned, &mut rows);
             }
             rows
@@ -262,17 +270,49 @@ impl SpaceSides {
             own: self.pair.carrier.rayed(&patches).1,
             others: self.pair.other.patches(&place),
         };
-        (before, self.frames(&patches, surface))
+        let is_moved = is_moved([body.displaced(start), *body]);
+        (before, self.frames(&patches, surface, &is_moved))
     }
 
     /// Tangents of the multipliers where faces of the carrier are `patches`.
-    fn frames(&self, patches: &[Patch], surface: &ContactSurface) -> Vec<Frame> {
+    fn frames(
+        &self,
+        patches: &[Patch],
+        surface: &ContactSurface,
+        is_moved: &IsMoved<'_>,
+    ) -> Vec<Frame> {
         let all = 0..surface.multipliers() as u32;
         let frame = |m: u32| {
-            let home = surface.shares.function(m).map(|k| self.home(k));
-            home.map_or([[0.0; 3]; 2], |home| HomeAt::new(home, patches).frame())
+            let tangents = surface.shares.function(m).map(|k| self.tangents(k));
+            let at = tangents.map(|tangents| TangentsAt::new(tangents, patches));
+            at.map_or([[0.0; 3]; 2], |at| at.frame(is_moved))
         };
         all.map(frame).collect()
+    }
+
+    /// Both tangents, whatever holds the surfaces.
+    fn all_frames(&self, patches: &[Patch], surface: &ContactSurface) -> Vec<Frame> {
+        self.frames(patches, surface, &|_, _| true)
+    }
+
+    /// Takes tangents off the slips of linear bodies along which both surfaces are held and moved alike between two
+    /// states.
+    pub(in crate::pairs) fn hold(
+        &self,
+        (sliding, surface): (&mut Sliding, &ContactSurface),
+        states: [Deformed<'_>; 2],
+    ) {
+        let is_moved = is_moved(states);
+        for m in 0..sliding.frames.len() {
+            let Some(k) = surface.shares.function(m as u32) else {
+                continue;
+            };
+            for place in held_alike(self.tangents(k), sliding.frames[m], &is_moved) {
+                sliding.frames[m][place] = [0.0; 3];
+                sliding.rows[TANGENTS * m + place].clear();
+                sliding.slips[TANGENTS * m + place] = 0.0;
+            }
+        }
     }
 
     /// Tangents of the multipliers where `body` is.
@@ -282,7 +322,7 @@ impl SpaceSides {
         surface: &ContactSurface,
     ) -> Vec<Frame> {
         let place = |node: u32| body.place(node as usize);
-        self.frames(&self.pair.carrier.patches(&place), surface)
+        self.all_frames(&self.pair.carrier.patches(&place), surface)
     }
 }
 

@@ -75,6 +75,56 @@ fn a_block_on_a_block_in_space_sticks_just_below_its_bound_and_slides_just_above
     check_limit(&scene, 0.05, [None, Some(0.05)]);
 }
 
+/// Force between two blocks, the upper one pressed, and pushed by a side that begins `off` the plane in which the
+/// lower one is held.
+fn pushed_by_its_side(scene: Scene, off: f64) -> [f64; 3] {
+    let low = moved(unit_box([4, 3, 2]), |[x, y, z]| {
+        [2.0 * x, 1.6 * y - 0.3, 0.5 * (z - 1.0)]
+    });
+    let up = moved(unit_box([2, 2, 1]), |[x, y, z]| [x + off, y, 0.5 * z]);
+    let body = mesh(joined(&[("low_", low), ("up_", up)]));
+    let mut scene = Scene {
+        supports: vec![
+            support("low_z0", HELD),
+            support("low_x0", [Some(0.0), None, None]),
+            support("up_x0", [Some(0.0), None, None]),
+            support("up_z1", [None, Some(0.0), Some(0.0)]),
+        ],
+        contacts: between("up_z0", "low_z1"),
+        ..scene
+    };
+    scene.contacts[0].friction = 0.3;
+    let mut press = pull("up_z1", [None, Some(0.0), Some(-0.05)], 2);
+    press
+        .supports
+        .extend(pull("up_x0", [Some(0.08), None, None], 1).supports);
+    let reports = solve(&scene, &[press], &body);
+    let last = reports.last().expect("a report");
+    assert_converged(last);
+    last.contacts["pair"].force
+}
+
+/// Both blocks are held at sides that lie in one plane, and one of them is moved off it: it slips there too, as
+/// where the sides never were in one plane.
+#[test]
+fn a_block_that_its_side_pushes_off_a_common_plane_slips_there_too() {
+    for scene in [
+        rubber([("low_body", 1.0), ("up_body", 1.0)], Some(10.0)),
+        linear_of(0.3, [("low_body", 1.0), ("up_body", 1.0)]),
+    ] {
+        let [flush, off] = [0.0, 1e-4].map(|off| pushed_by_its_side(scene.clone(), off));
+        let apart = flush
+            .iter()
+            .zip(off)
+            .map(|(one, other)| (one - other).abs());
+        assert!(
+            apart.fold(0.0, f64::max) < 1e-3 * flush[2].abs(),
+            "{flush:?} {off:?}"
+        );
+        assert!(flush[0].abs() > 0.97 * 0.3 * flush[2].abs(), "{flush:?}");
+    }
+}
+
 /// A block of rubber pressed and pushed along a stiff block, or along a plane in its place. Where the sole opens
 /// at its corners its rays tilt, and tractions with them: in cells twice as large ten times as much.
 fn pushed(is_pair: bool) -> Vec<StepReport> {

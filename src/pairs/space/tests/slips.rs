@@ -4,7 +4,7 @@ use super::rims::plates;
 use super::*;
 use crate::geometry::RigidMotion;
 use crate::geometry::vector3::sub;
-use crate::pairs::space::frames::{Home, HomeAt};
+use crate::pairs::space::frames::{Tangents, TangentsAt};
 use crate::pairs::space::normals::Row;
 use crate::pairs::space::sliding::From;
 use crate::pairs::space::slips::Before;
@@ -163,16 +163,16 @@ fn tangents_follow_the_faces_by_the_derivatives_of_differences() {
     let (h, parts) = (1e-6, [0.7, -1.1]);
     let bodies = balls(2, 2);
     let skin = &bodies.pair.carrier;
-    for walls in [[false; 3], [true, false, false]] {
-        let home = Home {
+    for walls in [[None; 3], [Some([0, 0]), None, None]] {
+        let tangents = Tangents {
             faces: vec![0, 1, 2],
             ends: [1, 2],
             walls,
         };
         let at = |bodies: &Bodies| {
             let patches = skin.patches(&|node| bodies.places[node as usize]);
-            let here = HomeAt::new(&home, &patches);
-            let [first, second] = here.frame();
+            let here = TangentsAt::new(&tangents, &patches);
+            let [first, second] = here.frame(&|_, _| true);
             let vector = add(scale(parts[0], first), scale(parts[1], second));
             (vector, here.rows(skin, parts))
         };
