@@ -128,7 +128,7 @@ enum Way<'a> {
     /// Carried over, and brought into equilibrium by a step that leaves what drives the body as it
     /// is: it does not depend on its way.
     Carried(&'a [Step]),
-    /// By all steps from rest: friction counts slip from where increments began, and multipliers between
+    /// By all steps from rest: friction counts slip from where increments began, fluids only advance, and multipliers between
     /// bodies belong to both of their meshes.
     Again(&'a [Step]),
 }

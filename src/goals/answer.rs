@@ -11,6 +11,7 @@ use crate::model::Model;
 use crate::model::evaluate::Evaluation;
 use crate::model::push::{Control, Part};
 use crate::model::state::State;
+use crate::plan::pairs::PlannedPair;
 use crate::report::{GoalBound, GoalReport};
 use crate::scene::{Goal, GoalErrors, GoalKind, GoalQuestions, Parameter};
 use crate::sqp::fields::Fields;
@@ -101,7 +102,7 @@ impl Answers {
 
 /// What frees goals of the poses that follow from pushes.
 struct Freeing {
-    /// What obstacles are pushed by.
+    /// What obstacles and supports are pushed by.
     pushed: Vec<Dual>,
     controls: Vec<Control>,
     free: Free,
@@ -192,7 +193,7 @@ impl<'q> Asked<'q> {
         }
     }
 
-    /// What obstacles are pushed by, where errors or derivatives are asked for.
+    /// What obstacles and supports are pushed by, where errors or derivatives are asked for.
     fn pushes(&self, model: &Model<'_>, state: &State) -> Result<Vec<(Control, Goal)>, GoalError> {
         let mut errors = self.questions.iter().map(|one| one.errors);
         if self.parameters.is_empty() && errors.all(|one| one == GoalErrors::Left) {
@@ -305,36 +306,48 @@ fn leave_out_derivatives(
     refused: &mut Vec<GoalError>,
 ) -> Result<(), GoalError> {
     let asks_for_derivatives = !asked.parameters.is_empty();
-    match refuse_history((model, state), asks_for_derivatives) {
-        Err(error @ GoalError::NeedsHistory) => {
-            asked.parameters.clear();
-            refused.push(error);
-        }
-        other => other?,
-    }
-    let inexact = [
-        (
-            rubs_in_space(model),
-            "where bodies rub on each other in space",
-        ),
-        (has_films(model), "beside fluids that come between bodies"),
-    ];
-    let mut inexact = inexact.into_iter().filter(|(is_so, _)| *is_so);
-    if let Some((_, place)) = inexact.next().filter(|_| asks_for_derivatives) {
+    let history = match refuse_history((model, state), asks_for_derivatives) {
+        Err(error @ GoalError::NeedsHistory) => Some(error),
+        other => other.map(|()| None)?,
+    };
+    let inexact = inexact_derivatives(model).filter(|_| asks_for_derivatives);
+    if let Some(error) = inexact.or(history) {
         asked.parameters.clear();
-        refused.push(GoalError::Absent {
-            text: "to".to_owned(),
-            cause: format!("derivatives {place} are not exact yet; values and bounds are told"),
-        });
+        refused.push(error);
     }
     Ok(())
+}
+
+/// Why the matrix of a scene gives no exact derivatives.
+fn inexact_derivatives(model: &Model<'_>) -> Option<GoalError> {
+    let place = if rubs_in_space(model) {
+        "where bodies rub on each other in space"
+    } else if has_films(model) {
+        "beside fluids that come between bodies"
+    } else {
+        return None;
+    };
+    Some(GoalError::Absent {
+        text: "to".to_owned(),
+        cause: format!("derivatives {place} are not exact yet; values and bounds are told"),
+    })
 }
 
 /// Whether a fluid may come between bodies: what is wet of the surface that does not carry goes along
 /// with what it slides over, which the matrix leaves out.
 fn has_films(model: &Model<'_>) -> bool {
     let problem = &model.plan.problem;
-    !problem.resolved.fluids.is_empty() && !problem.pairs.is_empty()
+    let is_reached = |facet: u32| {
+        let vertices = model.mesh.facet(facet as usize);
+        let mut fluids = problem.fluid_surfaces.iter();
+        fluids.any(|one| {
+            let mut vertices = vertices.iter();
+            vertices.all(|vertex| one.nodes.binary_search(vertex).is_ok())
+        })
+    };
+    let facets = |pair: &PlannedPair| [&pair.carrier[..], &pair.other].concat();
+    let mut facets = problem.pairs.iter().flat_map(facets);
+    facets.any(is_reached)
 }
 
 /// Whether bodies in space rub on each other, whose matrix leaves out how borders of pieces move with

@@ -38,7 +38,7 @@ const FOURTH: [f64; 2] = [2.0 / 3.0, -1.0 / 12.0];
 pub(super) struct Answered<'a> {
     /// Those asked for.
     pub(super) goals: &'a [Dual],
-    /// What obstacles are pushed by.
+    /// What obstacles and supports are pushed by.
     pub(super) pushed: &'a [Dual],
     /// The components of poses that follow from that.
     pub(super) controls: &'a [Control],

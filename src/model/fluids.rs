@@ -1,10 +1,11 @@
 //! Fluids at a state: what drives them, and their load
 //!
 //! ```text
-//! f(v) = - sum over fluids q int w n . v da,   w = sum over wet nodes of psi_j
+//! f(v) = - sum over fluids q int w n . v da,   w = sum of s_j psi_j
 //! ```
 //!
 //! over the deformed faces for bodies of finite strain, over the undeformed ones for linear bodies;
+//! s_j one where a node is wet, between bodies the share that is ([`crate::fluid`]),
 //! psi quadratic Bernstein functions, so that w falls from one to zero within the facets of the
 //! front. The contact pressures of the state are what obstacles and bodies press beyond the fluid. All is
 //! non-dimensional. Cost: that of [`crate::assembly::follower`] on the facets that are wet; nothing

@@ -3,10 +3,10 @@
 //! The pressure between a body and what touches it at a node is that of contact and fluid together,
 //!
 //! ```text
-//! t = sum over nodes of (l_j + q [j is wet]) psi_j
+//! t = sum over nodes of (l_j + q s_j) psi_j
 //! ```
 //!
-//! in the caller's units. Cost: two sorts of the surface's nodes an obstacle.
+//! s_j how much of it is wet, in the caller's units. Cost: two sorts of the surface's nodes an obstacle.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -69,7 +69,7 @@ fn scaled(mut values: Vec<f64>, factor: f64) -> Vec<f64> {
     values
 }
 
-/// One fluid on its surface; vectors `[nodes of the surface]` in the caller's units.
+/// One fluid on its surface; vectors `[nodes of the surface]` s_j how much of it is wet, in the caller's units.
 struct One<'a> {
     /// Its parts joined by what lies across.
     surface: Cow<'a, FluidSurface>,

@@ -274,6 +274,10 @@ fn visit_supports<E>(state: &mut State, fields: &mut impl Fields<Error = E>) -> 
             ((false, false), false) => Support::Enough,
         };
     }
+    // As the session has it where none lends.
+    if !supports.iter().any(|support| support.lends()) {
+        supports.clear();
+    }
     Ok(())
 }
 

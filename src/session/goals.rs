@@ -85,7 +85,7 @@ impl Session {
         })
     }
 
-    /// That where no increment of this session has left any, as after a checkpoint.
+    /// That where no increment of this session has left any, as before the end of a step or after a checkpoint.
     fn by_nodes_anew(&self) -> Option<Vec<[f64; 3]>> {
         let mut all = self.plan().scene().questions.iter();
         let asked = all.find(|one| one.parameters.contains(&Parameter::Mesh))?;
@@ -98,7 +98,7 @@ impl Session {
         answers.into_iter().next()?.by_nodes
     }
 
-    /// The parts where no increment of this session has left any, as after a checkpoint.
+    /// The parts where no increment of this session has left any, as before the end of a step or after a checkpoint.
     fn parts_anew(&self) -> Option<Vec<f64>> {
         let mut goals = self.plan().scene().bounded()?.clone();
         goals.goals.truncate(1);

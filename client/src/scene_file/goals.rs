@@ -15,13 +15,13 @@ pub(super) fn gradients(scene: &Keys<'_>) -> Vec<v1::Gradient> {
 }
 
 /// Of which increments of a step something is asked.
-const MOMENTS: &[(&str, v1::AskedAt)] = &[
+const ASKED_AT: &[(&str, v1::AskedAt)] = &[
     ("steps", v1::AskedAt::Steps),
     ("increments", v1::AskedAt::Increments),
 ];
 
 fn at(keys: &Keys<'_>) -> i32 {
-    keys.choice("at", MOMENTS).unwrap_or_default().into()
+    keys.choice("at", ASKED_AT).unwrap_or_default().into()
 }
 
 const ACCURACY: &[&str] = &[

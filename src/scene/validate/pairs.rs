@@ -129,7 +129,7 @@ fn one(
     }
     let named = contact.carries.as_ref().and_then(|carries| {
         if meets == Meets::Itself {
-            let message = "stands beside `self`: of two parts that touch the one that comes first along the surface carries; name them as two groups to say which";
+            let message = "stands beside `self`: the order along the surface says which part carries; name them as two groups to say which";
             faults.add(format!("{path}.carries"), message);
             return None;
         }

@@ -225,7 +225,7 @@ impl QuadraticProgram<'_> {
         iterate
     }
 
-    /// The iterate after the motion of the supports, with what `curvature` adds to A.
+    /// The iterate after the motion of the supports, with what `curvature` takes off A.
     pub(super) fn first_iterate(
         &self,
         curvature: Option<&SparseRows>,
