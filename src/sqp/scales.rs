@@ -138,15 +138,22 @@ fn at_rest(model: &Model<'_>, now: &Evaluation) -> f64 {
 
 /// Norm of a force that stands for one where none at hand is larger: in a body without load a
 /// stress of some [`LEAST_STRESS`] shear moduli, and in any body one beside which the rounding
-/// of its displacements meets the tolerance. Of bodies that are carried as a whole and meet nothing that
-/// rounding is all there is, in the moduli of the stiffest.
+/// of its displacements meets the tolerance.
 pub(super) fn least_force(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
-    let (noise, tolerance) = (rounding(model, state), model.conditions.tolerance);
+    at_rest(model, now).max(rounding(model, state) / model.conditions.tolerance)
+}
+
+/// The same after a step to where bodies meet nothing, and all that is left of forces is rounding in the
+/// moduli of the stiffest of them: it was carried there as a whole. Zero elsewhere.
+pub(super) fn carried_force(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
     let materials = model.plan.problem.resolved.materials.iter();
     let stiffest = materials.fold(0.0, |most: f64, one| most.max(one.law.shear_modulus));
-    let most = noise * (stiffest / model.plan.problem.units.stress).max(1.0);
-    let is_carried = norm(&now.force) <= most && now.gap_norm(state) == 0.0;
-    at_rest(model, now).max(if is_carried { most } else { noise } / tolerance)
+    let noise = rounding(model, state) * stiffest / model.plan.problem.units.stress;
+    if touches(state) || now.gap_norm(state) > 0.0 || norm(&now.force) > noise {
+        0.0
+    } else {
+        noise / model.conditions.tolerance
+    }
 }
 
 /// Whether the residuals of force and volume at `now` are no more than [`ROUNDINGS`] times what
