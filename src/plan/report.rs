@@ -160,22 +160,30 @@ impl Plan {
     /// What questions about goals will cost.
     fn push_goals(&self, push: &mut dyn FnMut(&str, String, &str)) {
         let questions = &self.problem.scene.questions;
-        let goals: HashSet<&Goal> = questions.iter().flat_map(|one| &one.goals).collect();
         let parameters: HashSet<&Parameter> =
             questions.iter().flat_map(|one| &one.parameters).collect();
-        if goals.is_empty() {
+        let goals_at = |at: Option<AskedAt>| {
+            let own = questions
+                .iter()
+                .filter(|one| at.is_none_or(|at| one.at == at));
+            let goals: HashSet<&Goal> = own.flat_map(|one| &one.goals).collect();
+            goals.len()
+        };
+        let goals = goals_at(None);
+        if goals == 0 {
             return;
         }
-        let each = estimate::dual_applications(self);
-        let every = (questions.iter())
-            .filter(|one| one.at == AskedAt::Increments)
-            .count();
-        let applications = u64::from(each) * goals.len() as u64;
+        let each = u64::from(estimate::dual_applications(self));
+        let often = goals_at(Some(AskedAt::Increments));
         let choice = format!(
-            "{} goals by {} parameters, {applications} applications {}",
-            goals.len(),
+            "{goals} goals by {} parameters, {} applications {}",
             parameters.len(),
-            if every == 0 { "a step" } else { "an increment" }
+            each * if often == 0 { goals } else { often } as u64,
+            match (often, goals - often) {
+                (0, _) => "a step".to_owned(),
+                (_, 0) => "an increment".to_owned(),
+                (_, rest) => format!("an increment, {} more a step", each * rest as u64),
+            }
         );
         push(
             "goals",

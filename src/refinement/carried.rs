@@ -166,9 +166,6 @@ pub(crate) fn carried(
         wet: wet(before.plan, state, (after.plan, lineage)),
         ..State::undeformed(after.plan)
     };
-    for (film, wet) in next.film.iter_mut().zip(&next.wet) {
-        *film = wet.iter().copied().map(f64::from).collect();
-    }
     next.displacement = lineage.quadratic(&state.displacement, space.components);
     next.displacement.iter_mut().for_each(|u| *u *= longer);
     if !state.pressure.is_empty() {
