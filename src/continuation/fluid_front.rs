@@ -3,6 +3,9 @@
 //! solve any more; so does one that has advanced until the body has no equilibrium, as where it lifts
 //! what a dead load holds down, and one whose blow-off is sought under which the body has none, as
 //! where it is pushed out. Wet nodes only become more within a part; what was squeezed out dries before it.
+//! Where bodies slide on each other the film between them slides along: its shares are found anew after each
+//! equilibrium until they stay, a fixed point of few more solutions, so that the end does not depend on
+//! where parts began.
 //! Cost: the solutions of all rounds, one without fluids.
 
 use crate::fluid::front::{Advance, Front};
@@ -20,6 +23,15 @@ use crate::sqp::increment;
 use crate::sqp::run::Run;
 use crate::sqp::verdict::Verdict;
 
+constants! {
+    /// Change of a share of a film between bodies that is rounding, without unit: a ten-millionth of the
+    /// length of a part of a face; chosen.
+    const SLIDE: f64 = 1e-7;
+    /// Times that films are taken along at most: each takes about a tenth of the change before it;
+    /// chosen.
+    const MOST_SLIDES: u32 = 20;
+}
+
 /// Solves under `drive` with fluids as far as they come.
 pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     if run.state.wet.is_empty() {
@@ -28,6 +40,7 @@ pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     squeeze(&run.model, run.state, drive);
     let drives = rising(run.state, drive);
     let mut advanced = sought(run.state, drive, drives);
+    let mut slides = 0;
     loop {
         if let Some(leak) = leak((&run.model, run.state), drive, drives) {
             return leaking(run, leak);
@@ -38,11 +51,37 @@ pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
             ending.leak = advanced;
             return ending;
         }
-        if advance(&run.model, run.state, drive) == Advance::default() {
+        if advance(&run.model, run.state, drive) != Advance::default() {
+            advanced = pressing(drive, drives);
+            continue;
+        }
+        if slides == MOST_SLIDES || !slide(&run.model, run.state, drive) {
             return ending;
         }
-        advanced = pressing(drive, drives);
+        slides += 1;
     }
+}
+
+/// Takes the films between bodies along to where those are; whether any has changed by more than
+/// rounding.
+fn slide(model: &Model<'_>, state: &mut State, drive: &Drive) -> bool {
+    let fluids = (0..state.film.len()).filter(|&k| drive.fluids[k].pressure > 0.0);
+    let found = fluids.map(|index| {
+        let met = Met::at(model, state, index);
+        let front = met.front(model.plan, index, drive);
+        (index, front.film(&state.wet[index]))
+    });
+    let found: Vec<(usize, Vec<f64>)> = found.collect();
+    let mut has_slid = false;
+    for (index, film) in found {
+        let pairs = film.iter().zip(&state.film[index]);
+        let change = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        if change > SLIDE {
+            state.film[index] = film;
+            has_slid = true;
+        }
+    }
+    has_slid
 }
 
 /// Does `act` with every fluid that has a pressure under `drive`: its number, what it meets, and

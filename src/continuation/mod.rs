@@ -430,6 +430,7 @@ fn note_trend(run: &mut Run<'_>, ending: &Ending, before: &State) {
 /// The numeric constants of this room.
 pub(crate) fn constants() -> Vec<crate::constants::Constant> {
     [
+        fluid_front::own_constants(),
         leak_bracket::own_constants(),
         longest_part::own_constants(),
         own_constants(),

@@ -14,7 +14,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("comparisons", 92, 0),
     ("constants", 35, 0),
     ("contact", 4375, 18),
-    ("continuation", 1620, 30),
+    ("continuation", 1620, 32),
     ("diagnosis", 554, 10),
     ("element", 735, 2),
     ("fluid", 790, 1),

@@ -17,7 +17,7 @@ use signorini::{Cause, FieldName, Mesh, MeshParts, Scene, Step, StepReport, Term
 /// Load on the lid.
 const LOAD: f64 = 0.5;
 
-fn fluid(on: &[&str], from: &[&str], dry: &[&str]) -> Fluid {
+pub(super) fn fluid(on: &[&str], from: &[&str], dry: &[&str]) -> Fluid {
     let names = |all: &[&str]| all.iter().map(|name| (*name).to_owned()).collect();
     Fluid {
         name: "water".to_owned(),
@@ -28,7 +28,7 @@ fn fluid(on: &[&str], from: &[&str], dry: &[&str]) -> Fluid {
     }
 }
 
-fn raised(load: FluidLoad) -> Step {
+pub(super) fn raised(load: FluidLoad) -> Step {
     Step {
         fluids: vec![FluidTarget {
             name: "water".to_owned(),
@@ -38,7 +38,7 @@ fn raised(load: FluidLoad) -> Step {
     }
 }
 
-fn last(reports: &[StepReport]) -> &StepReport {
+pub(super) fn last(reports: &[StepReport]) -> &StepReport {
     reports.last().expect("an increment")
 }
 
@@ -257,7 +257,11 @@ fn crowned(counts: [usize; 2]) -> MeshParts {
 
 /// A block in water on its mirror image, water beginning at `from`, and the block on a rigid plane;
 /// each is pressed by `way`.
-fn mirrored(upper: MeshParts, (from, pressure): (&[&str], f64), way: f64) -> [StepReport; 2] {
+pub(super) fn mirrored(
+    upper: MeshParts,
+    (from, pressure): (&[&str], f64),
+    way: f64,
+) -> [StepReport; 2] {
     let mut lower = moved(upper.clone(), |[x, y, z]| [x, -y, z]);
     lower.cells.chunks_mut(3).for_each(|cell| cell.swap(1, 2));
     let pair_mesh = mesh(joined(&[("up_", upper.clone()), ("low_", lower)]));
@@ -314,7 +318,7 @@ fn assert_mirrors([pair, alone]: &[StepReport; 2], relative: f64) {
 }
 
 /// Where water begins: on both bodies, or on one of them, from which it gets to the other.
-const BEGINS: [&[&str]; 3] = [&["up_x1", "low_x1"], &["up_x1"], &["low_x1"]];
+pub(super) const BEGINS: [&[&str]; 3] = [&["up_x1", "low_x1"], &["up_x1"], &["low_x1"]];
 
 #[test]
 fn a_block_in_water_on_its_mirror_image_is_the_block_on_a_rigid_plane() {
@@ -336,7 +340,7 @@ fn water_comes_as_far_between_mirror_images_as_under_a_rigid_plane() {
 }
 
 /// A crowned block on a flat one, whose meshes do not match, in water on one side.
-fn unlike(carries: [&str; 2]) -> (Scene, Arc<Mesh>) {
+pub(super) fn unlike(carries: [&str; 2]) -> (Scene, Arc<Mesh>) {
     let side = |name: &str| support(name, [Some(0.0), None, None]);
     let mut scene = rubber([("up_body", 1.0), ("low_body", 2.0)], Some(20.0));
     scene.supports = vec![

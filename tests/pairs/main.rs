@@ -8,6 +8,7 @@ mod box_of_two;
 mod boxes;
 mod cylinders;
 mod ends;
+mod films;
 mod floating;
 mod fluids;
 mod folds;
