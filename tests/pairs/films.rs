@@ -1,7 +1,8 @@
-//! Films of fluids between soft bodies: how they slide along. Ends of different increments against each
-//! other.
+//! Films of fluids between soft bodies: how they slide along, where they begin. Ends of
+//! different increments, and of fluids that begin on different bodies, against each other.
 
-use super::fluids::{last, raised, unlike};
+use super::fluids::{BEGINS, last, mirrored, raised, unlike};
+use crate::common::meshes::unit_grid;
 use crate::common::scenes::{in_parts, pull};
 use crate::common::{assert_converged, close, solve};
 use signorini::scene::{FluidLoad, SceneKind};
@@ -33,5 +34,16 @@ fn films_between_sliding_bodies_lie_where_bodies_are_whatever_the_increments() {
                 assert!(close(*a, b, 1e-6), "{kind:?} {one:?} {other:?}");
             }
         }
+    }
+}
+
+#[test]
+fn a_fluid_gets_past_a_pressed_edge_along_either_flank() {
+    let [both, one, other] = BEGINS.map(|from| mirrored(unit_grid(6, 4), (from, 0.1), 0.1));
+    for [pair, _] in [one, other] {
+        let [own, expected] = [&pair, &both[0]].map(|report| &report.fluids["water"]);
+        assert!(close(own.wet_area, expected.wet_area, 1e-8));
+        assert!(close(own.force[0], expected.force[0], 1e-8));
+        assert!(close(pair.strain_energy, both[0].strain_energy, 1e-8));
     }
 }
