@@ -159,7 +159,12 @@ impl Flow {
         let before = run.state.clone();
         match policy.end(run, self, drive) {
             End::At(ending) => return Some(*ending),
-            End::NotYet => *run.state = before,
+            End::NotYet => {
+                // What a fluid has come to on the way stays wet: it moves the body on.
+                let reached = std::mem::replace(&mut *run.state, before);
+                run.state.wet = reached.wet;
+                run.state.film = reached.film;
+            }
             End::Elsewhere => {}
         }
         None

@@ -1,12 +1,13 @@
-//! Films of fluids between soft bodies: how they slide along, where they begin. Ends of
+//! Films of fluids between soft bodies: how they slide along, where they begin, what they throw over. Ends of
 //! different increments, and of fluids that begin on different bodies, against each other.
 
-use super::fluids::{BEGINS, last, mirrored, raised, unlike};
-use crate::common::meshes::unit_grid;
-use crate::common::scenes::{in_parts, pull};
+use super::fluids::{BEGINS, fluid, last, mirrored, raised, unlike};
+use super::scenes::{between, joined, rubber};
+use crate::common::meshes::{mesh, moved, unit_grid};
+use crate::common::scenes::{HELD_IN_PLANE, in_parts, pull, support};
 use crate::common::{assert_converged, close, solve};
 use signorini::scene::{FluidLoad, SceneKind};
-use signorini::StepReport;
+use signorini::{Cause, StepReport, Termination};
 
 /// Bodies slide on each other while a fluid presses, and its film with them: where it lies at the end does not
 /// depend on where increments began.
@@ -35,6 +36,41 @@ fn films_between_sliding_bodies_lie_where_bodies_are_whatever_the_increments() {
             }
         }
     }
+}
+
+/// Without friction a dome gives way at once where the front comes under its crest: it snaps to where the fluid
+/// has advanced to.
+#[test]
+fn a_dome_that_a_fluid_throws_over_leaks_at_one_pressure_whatever_the_increments() {
+    let dome = moved(unit_grid(10, 5), |[x, y, z]| {
+        let (x, rise) = (x - 0.5, 0.4 * (x - 0.5).powi(2));
+        [x, rise + (0.5 - rise) * y, z]
+    });
+    let slab = moved(unit_grid(17, 5), |[x, y, z]| {
+        [2.0 * x - 1.0, 0.5 * y - 0.5, z]
+    });
+    let mesh = mesh(joined(&[("up_", dome), ("low_", slab)]));
+    let mut scene = rubber([("up_body", 1.0), ("low_body", 1.0)], Some(20.0));
+    scene.supports = vec![
+        support("up_y1", HELD_IN_PLANE),
+        support("low_y0", HELD_IN_PLANE),
+    ];
+    scene.contacts = between("up_y0", "low_y1");
+    let on = ["up_y0", "low_y1", "up_x0", "low_x0"];
+    scene.fluids = vec![fluid(&on, &["up_x0", "low_x0"], &["up_x1", "low_x1"])];
+    let press = pull("up_y1", [Some(0.0), Some(-0.15), None], 2);
+    let [one, other] = [1, 3].map(|parts| {
+        let up = in_parts(raised(FluidLoad::To(2.0)), parts);
+        let reports = solve(&scene, &[press.clone(), up], &mesh);
+        let end = last(&reports);
+        let told = (end.termination, end.cause);
+        assert_eq!(told, (Termination::NotConverged, Some(Cause::Leaks)));
+        end.fluids["water"].blow_off.expect("a bracket")
+    });
+    assert!(
+        one[0] <= other[1] && other[0] <= one[1],
+        "{one:?} {other:?}"
+    );
 }
 
 #[test]
