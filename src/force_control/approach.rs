@@ -8,30 +8,25 @@
 //! e the direction of the pushes, s how far beyond touch. Cost: some distances of all faces,
 //! and a few dense problems.
 
-use std::collections::BTreeSet;
-
 use super::gap_changes::gap_changes;
 use crate::inequality::dense_cone;
 use crate::linalg::vector::{add_scaled, dot, norm};
-use crate::model::Model;
-use crate::model::drive::Drive;
 use crate::model::push::{Control, Part};
 use crate::proximity::faces;
 use crate::saddle::Status;
-use crate::scene::validate::joined_parts;
 use crate::sqp::contact_metric::evenly;
 use crate::sqp::program::QuadraticProgram;
 use crate::sqp::run::Run;
 
 constants! {
     /// Distance over the body's length that counts as touch.
-    const TOUCH: f64 = 1e-9;
+    pub(super) const TOUCH: f64 = 1e-9;
     /// Distances that are looked at on the way.
-    const MOST_DISTANCES: u32 = 200;
+    pub(super) const MOST_DISTANCES: u32 = 200;
     /// Way over the body's length after which nothing comes any more.
-    const FARTHEST: f64 = 1e3;
+    pub(super) const FARTHEST: f64 = 1e3;
     /// First advance beyond touch, and the longest one.
-    const ADVANCES: [f64; 2] = [1e-3, 0.3];
+    pub(super) const ADVANCES: [f64; 2] = [1e-3, 0.3];
     /// Dense problems at most.
     const MOST_PROBLEMS: u32 = 48;
     /// Width of what is left to search over its upper end at which the search ends.
@@ -88,94 +83,6 @@ fn slack(run: &mut Run<'_>, controls: &[Control], push: &[f64]) -> f64 {
     longest
 }
 
-/// The step `[controls]` by which pushed supports of a body that nothing touches take it to an
-/// obstacle or another body; none where something does, or nothing is met.
-pub(super) fn lead_body(run: &mut Run<'_>, controls: &[Control], goal: &[f64]) -> Option<Vec<f64>> {
-    let obstacles = run.state.drive.poses.len();
-    let list = &run.model.interfaces.list;
-    if (0..list.len()).any(|number| list[number].is_contact() && touches(run, number)) {
-        return None;
-    }
-    let is_push = |control: &Control| control.is_of_support() && control.axis < 3;
-    let mut along = [0.0; 3];
-    let pushes = controls.iter().zip(goal);
-    for (control, part) in pushes.filter(|(control, _)| is_push(control)) {
-        along[control.axis] += part;
-    }
-    let size = norm(&along);
-    if size == 0.0 {
-        return None;
-    }
-    // As a whole: every support by the same motion.
-    let way = nearest(run, 0..obstacles, along.map(|part| -part));
-    let direction = along.map(|part| part / size);
-    let way = way.or_else(|| to_other_body(run, controls, direction))? + ADVANCES[0];
-    let step = controls.iter().map(|control| {
-        if is_push(control) {
-            way * along[control.axis] / size
-        } else {
-            0.0
-        }
-    });
-    Some(step.collect())
-}
-
-/// How far the bodies of pushed supports have to go along `direction` until one meets another body;
-/// none where none is met.
-fn to_other_body(run: &Run<'_>, controls: &[Control], direction: [f64; 3]) -> Option<f64> {
-    let model = &run.model;
-    let is_led = led_vertices(model, controls);
-    let mut moved = run.state.displacement.clone();
-    let mut way = 0.0;
-    for _ in 0..MOST_DISTANCES {
-        let distance = least_gap(model, &run.state.drive, &moved);
-        if distance <= TOUCH {
-            return Some(way);
-        }
-        way += distance;
-        if way.is_nan() || way >= FARTHEST {
-            return None;
-        }
-        let nodes = moved.chunks_exact_mut(model.prepared.space.components);
-        for (node, _) in nodes.zip(&is_led).filter(|(_, is_led)| **is_led) {
-            let parts = node.iter_mut().zip(direction);
-            parts.for_each(|(x, part)| *x += distance * part);
-        }
-    }
-    None
-}
-
-/// Which vertices belong to bodies that pushed supports hold `[vertices]`.
-fn led_vertices(model: &Model<'_>, controls: &[Control]) -> Vec<bool> {
-    let problem = &model.plan.problem;
-    let body_of = joined_parts(model.mesh, &problem.resolved.ties);
-    let c = model.prepared.space.components;
-    let is_pushed = |support: u16| {
-        let part = Part::Support(usize::from(support));
-        controls.iter().any(|control| control.part == part)
-    };
-    let held = problem.held.iter().filter(|held| is_pushed(held.1));
-    let led: BTreeSet<u32> = held
-        .filter_map(|&(unknown, _)| body_of.get(unknown as usize / c).copied())
-        .collect();
-    body_of.iter().map(|body| led.contains(body)).collect()
-}
-
-/// The least mean distance of two bodies under a function of their contact.
-fn least_gap(model: &Model<'_>, drive: &Drive, displacement: &[f64]) -> f64 {
-    let body = model.deformed(displacement);
-    let placed = model.placed(drive);
-    let between = placed.filter(|(interface, _)| interface.pair().is_some());
-    let least = between.flat_map(|(interface, met)| {
-        let (gaps, _) = met.gaps(&body, &interface.surface);
-        let weights = interface.surface.weights.clone();
-        gaps.into_iter()
-            .zip(weights)
-            .map(|(gap, weight)| gap / weight)
-    });
-    least.fold(f64::INFINITY, f64::min)
-}
-
 /// How far the nearest of `obstacles` is along `way`; none where no one is met.
 fn nearest(
     run: &mut Run<'_>,
@@ -217,7 +124,7 @@ fn is_force_of(control: &Control, obstacle: usize) -> bool {
     control.part == Part::Obstacle(obstacle) && control.axis < 3
 }
 
-/// Whether an obstacle presses on the body anywhere, or two bodies on each other.
+/// Whether an obstacle presses on the body anywhere.
 fn touches(run: &Run<'_>, number: usize) -> bool {
     let interface = &run.model.interfaces.list[number];
     let pressures = interface.own(&run.state.multiplier);

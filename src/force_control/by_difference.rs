@@ -20,7 +20,7 @@ use crate::sqp::run::Run;
 constants! {
     /// Motion of the difference, over the body's length and in radians; chosen, no scene measures
     /// it. A fifth of the thickness of a layer of .005.
-    const MOTION: f64 = 1e-3;
+    pub(super) const MOTION: f64 = 1e-3;
     /// Accuracy of its solves, relative residual: a thousandth of the motion; chosen.
     const SHARP: f64 = 1e-6;
     /// Stiffness, over the body's length and shear modulus, that solves as accurate show of a body

@@ -47,7 +47,7 @@ pub(super) fn least_slip(run: &Run<'_>, drive: &Drive, controls: &[Control]) -> 
         controls: controls.to_vec(),
         columns: columns.iter().map(|column| products(column)).collect(),
     };
-    Some(normal_equations.solve(&products(&slips)).0)
+    Some(normal_equations.solve(&products(&slips)).step)
 }
 
 /// The contacts that are closed.

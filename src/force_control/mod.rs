@@ -9,9 +9,10 @@
 //! moments about the reference points, as they are reported; supports exert their reactions, and
 //! springs to the ground k z with them. Broyden's method, from the
 //! stiffness that the metric of contact says ([`by_metric`]), or with supports differences
-//! ([`by_difference`]); an obstacle away from the body is
-//! first led to it along its force ([`approach`]), and so is one that the body leaves on the way; one
-//! that grips the body begins with the least slip ([`least_slip`]).
+//! ([`by_difference`]), taken anew where it says that nothing resists; an obstacle away from the body is
+//! first led to it along its force ([`approach`]), and so is one that the body leaves on the way; bodies of
+//! supports that nothing holds are led to what they meet ([`meeting`]); a tool that grips the body begins
+//! with the least slip ([`least_slip`]).
 //! Each solve is as accurate as the misfit that is left makes worthwhile, and goes on from the
 //! one before. Non-dimensional; moments are of
 //! forces at the body's length. Cost: 7 to 10 solves that together take about as many iterations
@@ -23,6 +24,7 @@ mod by_difference;
 mod by_metric;
 mod gap_changes;
 mod least_slip;
+mod meeting;
 
 use crate::linalg::vector::{add_scaled, dot, largest, norm, ratio};
 use crate::model::drive::Drive;
@@ -31,7 +33,7 @@ use crate::model::push::Control;
 use crate::plan::Units;
 use crate::report::{Cause, Termination};
 use crate::results::exerted::applied;
-use crate::sqp::push_stiffness::PushStiffness;
+use crate::sqp::push_stiffness::{LONGEST, PushStep, PushStiffness};
 use crate::sqp::run::Run;
 use crate::sqp::{accuracy, increment};
 use broyden::{BroydenIterate, Progress, Stall};
@@ -39,6 +41,7 @@ use by_difference::by_difference;
 use by_metric::by_metric;
 use gap_changes::gap_changes;
 use least_slip::least_slip;
+use meeting::lead_bodies;
 
 constants! {
     /// Solves at most.
@@ -178,7 +181,7 @@ impl Balance {
         if self.tolerance > self.floor || after.relative > COARSE || self.moves_supports() {
             return false;
         }
-        let (step, _) = self.step(run, &after.misfit);
+        let (PushStep { step, .. }, _) = self.step(run, after);
         let mut moved = vec![0.0; run.state.multiplier.len()];
         let changes = gap_changes(&run.model, run.state, &self.controls);
         for (change, part) in changes.iter().zip(step) {
@@ -203,7 +206,7 @@ impl Balance {
             return self.led(run, step);
         }
         let before = self.progress(run);
-        let (mut step, _) = self.step(run, &before.misfit);
+        let (PushStep { mut step, .. }, _) = self.step(run, &before);
         if let Some(rolling) = least_slip(run, &self.drive, &self.controls) {
             add_scaled(&mut step, 1.0, &rolling);
         }
@@ -236,35 +239,29 @@ impl Balance {
         iterate: BroydenIterate,
         after: Progress,
     ) -> Result<BroydenIterate, (Cause, Control)> {
-        let (step, rest) = self.step(run, &after.misfit);
-        // A body held between supports takes any motion, each step by as much as may be.
-        let slides = if self.moves_supports() {
+        let was_known = self.stiffness.is_some();
+        let (mut found, mut lost) = self.step(run, &after);
+        if was_known && self.moves_supports() && largest(&lost) > 0.0 {
+            // Friction and other bodies resist once they press, which they did not where it was taken.
+            self.stiffness = None;
+            (found, lost) = self.step(run, &after);
+        }
+        // A body held between supports takes any motion that a search may go, each step by as much as
+        // may be.
+        let slides = if self.moves_supports() && found.way < f64::from(MOST_SOLVES) * LONGEST {
             0
         } else {
             iterate.slides(&after)
         };
         let slid_away = || self.worst(&after.misfit).filter(|_| slides >= MOST_SLIDES);
-        if let Some(control) = self.unbalanced(&rest, &after).or_else(slid_away) {
-            // A tool that the body has left may meet it again farther along its force.
-            let (controls, goal) = (&self.controls, &self.goal);
-            let step = approach::lead(run, controls, goal)
-                .or_else(|| approach::lead_body(run, controls, goal));
-            let Some(step) = step else {
-                return Err((Cause::NoEquilibrium, control));
-            };
-            if iterate.approaches == MOST_APPROACHES {
-                return Err((Cause::IterationLimit, control));
-            }
-            let approaches = iterate.approaches + 1;
-            return Ok(BroydenIterate {
-                approaches,
-                ..self.led(run, step)
-            });
+        let unbalanced = self.worst(&lost).filter(|_| largest(&lost) > 0.0);
+        if let Some(control) = unbalanced.or_else(slid_away) {
+            return self.led_on(run, (iterate.approaches, control), &lost);
         }
         let step = if after.relative <= self.floor {
             vec![0.0; self.controls.len()]
         } else {
-            step
+            found.step
         };
         // A misfit below the error of the solve is small by chance.
         let misfit = after.relative.max(after.tolerance);
@@ -282,8 +279,32 @@ impl Balance {
         })
     }
 
-    /// The step that takes `misfit` off, as far as the stiffness is known, and what it leaves.
-    fn step(&mut self, run: &mut Run<'_>, misfit: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    /// The search from where a tool or body that nothing holds against `control` meets something again,
+    /// farther along its force or along the direction `lost` `[controls]`.
+    fn led_on(
+        &mut self,
+        run: &mut Run<'_>,
+        (approaches, control): (u32, Control),
+        lost: &[f64],
+    ) -> Result<BroydenIterate, (Cause, Control)> {
+        let step = approach::lead(run, &self.controls, &self.goal)
+            .or_else(|| lead_bodies(run, &self.controls, lost));
+        let Some(step) = step else {
+            return Err((Cause::NoEquilibrium, control));
+        };
+        if approaches == MOST_APPROACHES {
+            return Err((Cause::IterationLimit, control));
+        }
+        Ok(BroydenIterate {
+            approaches: approaches + 1,
+            ..self.led(run, step)
+        })
+    }
+
+    /// The step that takes the misfit off, as far as the stiffness is known, and the direction in which
+    /// nothing balances it `[controls]`, zeros where something does.
+    fn step(&mut self, run: &mut Run<'_>, at: &Progress) -> (PushStep, Vec<f64>) {
+        let misfit = &at.misfit;
         let stiffer = std::mem::replace(&mut self.stiffer, 1.0);
         let by_supports = self.moves_supports();
         let stiffness = self.stiffness.get_or_insert_with(|| {
@@ -293,7 +314,16 @@ impl Balance {
                 by_metric(run, &self.controls).times(stiffer)
             }
         });
-        stiffness.solve(misfit)
+        let found = stiffness.solve(misfit);
+        let lost = found.rest.iter().zip(&found.free).map(|(rest, free)| {
+            if rest.abs() > UNBALANCED * at.scale {
+                -free
+            } else {
+                0.0
+            }
+        });
+        let lost = lost.collect();
+        (found, lost)
     }
 
     /// Whether any of what is sought moves a support, whose stiffness is that of the body.
@@ -381,12 +411,6 @@ impl Balance {
                 run.state.force_scale
             },
         }
-    }
-
-    /// The control whose share of `rest`, which no motion takes off, is too large.
-    fn unbalanced(&self, rest: &[f64], at: &Progress) -> Option<Control> {
-        let is_lost = largest(rest) > UNBALANCED * at.scale;
-        is_lost.then(|| self.worst(rest)).flatten()
     }
 
     /// The control with the largest of `values` `[controls]`.

@@ -24,6 +24,7 @@ const RESCUES: &[[&str; 5]] = &[
     ["least slip", "force_control::least_slip", "free components of a tool that grips and is turned", "tests/friction/rubber.rs", "a_cylinder_that_is_turned_rolls_where_nothing_holds_it_along"],
     ["largest force", "force_control::broyden::Stall", "a push beyond what contact bears", "tests/friction/rubber.rs", "a_roller_turned_by_more_than_its_contact_holds_has_no_equilibrium"],
     ["approach to contact", "force_control::approach", "a pushed tool away from the body", "tests/contact/pushed.rs", "a_body_that_only_obstacles_hold_is_squeezed_by_any_force"],
+    ["bodies led to what they meet", "force_control::meeting", "a pushed support of a body that nothing holds", "tests/pairs/pushed.rs", "bodies_that_are_pushed_from_unequal_distances_all_arrive"],
     ["solve measured by the forces at hand", "sqp::accuracy", "a stiff part that its support moves beside a soft body", "tests/rubber/loaded_supports.rs", "a_bush_is_as_stiff_by_moment_as_by_rotation"],
     ["sharper solve after a step that does not show", "force_control::Balance", "forces near full contact, which hardly change", "client/tests/tool/examples.rs", "a_wave_pushed_on_a_confined_slab_is_borne_evenly_beyond_full_contact"],
     ["metric asked for before the first step", "force_control::by_metric", "a push along a frictional surface", "tests/contact/pushed.rs", "friction_holds_a_tool_that_is_pushed_along_until_it_slides"],
