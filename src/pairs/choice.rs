@@ -3,7 +3,9 @@
 //! Ends of the pieces are where the rays of the face pass vertices of the other surface, and where it
 //! stops going on beyond its ends and corners: roots of cubics. They count within the reach along the
 //! ray, and at any distance those of faces that are met, or of the same body: what else is among the
-//! candidates of another body changes nothing. Between two of them the partner is that of the ray in the middle: the nearest face that it
+//! candidates of another body changes nothing. What is met aslant and far of another body counts where a gap
+//! without a jump joins it to what is near: rays that turn beyond a corner would begin to meet whole faces of
+//! the wall above it. Between two of them the partner is that of the ray in the middle: the nearest face that it
 //! meets from outside, within the reach and before half of the way to where neighbouring rays meet. The choice is by values alone; derivatives are taken with the
 //! topology as it is. Cost: one cubic a vertex and one ray a part and face among the candidates.
 
@@ -23,6 +25,8 @@ pub(super) const GRAZING: f64 = 0.2;
 pub(super) const WIDE: f64 = 2.0;
 /// Gap over the length of a face from which on it is open, without unit; chosen.
 const OPEN: f64 = 0.1;
+/// Cosine between a ray and the normal of what it meets below which that is met aslant; chosen.
+const ASLANT: f64 = 0.5;
 /// Share of the way to where neighbouring rays meet up to which they count, without unit; chosen: at
 /// the whole of it what they sweep is zero.
 pub(super) const SIDE_BY_SIDE: f64 = 0.5;
@@ -109,6 +113,7 @@ pub(super) fn pieces(
         breaks.extend(met);
         far = rest;
     };
+    let runs = without_walls(face, runs, partners);
     if runs.iter().all(|run| run.gap > reach.open) {
         return Vec::new();
     }
@@ -169,13 +174,45 @@ fn runs(face: &Face<f64>, breaks: &[Break], partners: &[Partner], reach: Reach) 
     runs
 }
 
+/// Without what is met aslant and far of another body, unless a gap without a jump joins it to the rest.
+fn without_walls(face: &Face<f64>, runs: Vec<Run>, partners: &[Partner]) -> Vec<Run> {
+    let near = near(face);
+    let is_plain = |run: &Run| {
+        let partner = &partners[run.partner];
+        let middle = 0.5 * (run.part[0] + run.part[1]);
+        let cosine = || met(face, middle, partner).map_or(0.0, |met| met.cosine);
+        partner.role != Role::Apart || run.gap <= near || cosine() >= ASLANT
+    };
+    let mut keeps: Vec<bool> = runs.iter().map(is_plain).collect();
+    let is_joined = |pair: &[Run]| {
+        let at = pair[1].part[0];
+        let gaps = [0, 1].map(|k: usize| {
+            let met = met(face, at, &partners[pair[k].partner]);
+            met.map_or(f64::INFINITY, |met| met.gap)
+        });
+        at - pair[0].part[1] <= SHORTEST && (gaps[0] - gaps[1]).abs() <= near
+    };
+    let joined: Vec<bool> = runs.windows(2).map(is_joined).collect();
+    for k in 0..joined.len() {
+        keeps[k + 1] |= joined[k] && keeps[k];
+    }
+    for k in (0..joined.len()).rev() {
+        keeps[k] |= joined[k] && keeps[k + 1];
+    }
+    let kept = runs.into_iter().zip(keeps);
+    kept.filter_map(|(run, keeps)| keeps.then_some(run))
+        .collect()
+}
+
+/// Gap beyond which a face is open.
+fn near(face: &Face<f64>) -> f64 {
+    let along = slope(face.nodes, 0.5);
+    OPEN * dot(along, along).sqrt()
+}
+
 /// Whether a face is as far from a partner at `s` that contact there is not near.
 fn is_open(face: &Face<f64>, s: f64, partner: &Partner) -> bool {
-    let [tangent, _] = face.tangent(s);
-    let along = slope(face.nodes, 0.5);
-    let gap = meeting(point(face.nodes, s), tangent, partner.nodes)
-        .map(|r| face.gap(s, partner.nodes, r) * dot(tangent, tangent).sqrt());
-    gap.is_some_and(|gap| gap > OPEN * dot(along, along).sqrt())
+    met(face, s, partner).is_some_and(|met| met.gap > near(face))
 }
 
 /// Whether two partners have a common vertex.
@@ -344,21 +381,37 @@ fn gap_at(face: &Face<f64>, s: f64, y: [f64; 2]) -> f64 {
     dot(n, minus(y, point(face.nodes, s))) / dot(n, n).sqrt()
 }
 
-/// Distance from a point of the face to a partner along the ray there, negative inside; none where
-/// the ray misses it, grazes it or meets it from behind.
-pub(super) fn gap_to(face: &Face<f64>, s: f64, partner: &Partner) -> Option<f64> {
+/// Where a ray meets the line of a partner.
+struct Met {
+    /// Place on the partner.
+    r: f64,
+    /// Distance along the ray, negative inside.
+    gap: f64,
+    /// Between the ray and the inner normal of the partner.
+    cosine: f64,
+}
+
+/// Where the ray from a point of the face meets the line of a partner.
+fn met(face: &Face<f64>, s: f64, partner: &Partner) -> Option<Met> {
     let [tangent, _] = face.tangent(s);
     let n = to_the_right(tangent);
     let r = meeting(point(face.nodes, s), tangent, partner.nodes)?;
-    let [low, high] = partner.range;
-    if !(low - BESIDE..=high + BESIDE).contains(&r) {
-        return None;
-    }
     let other = slope(partner.nodes, r);
     let size = dot(n, n).sqrt();
-    let cosine = cross(n, other) / (size * dot(other, other).sqrt());
-    let gap = face.gap(s, partner.nodes, r);
-    (cosine <= -GRAZING).then_some(gap * size)
+    Some(Met {
+        r,
+        gap: face.gap(s, partner.nodes, r) * size,
+        cosine: -cross(n, other) / (size * dot(other, other).sqrt()),
+    })
+}
+
+/// Distance from a point of the face to a partner along the ray there, negative inside; none where
+/// the ray misses it, grazes it or meets it from behind.
+pub(super) fn gap_to(face: &Face<f64>, s: f64, partner: &Partner) -> Option<f64> {
+    let met = met(face, s, partner)?;
+    let [low, high] = partner.range;
+    let is_on = (low - BESIDE..=high + BESIDE).contains(&met.r);
+    (is_on && met.cosine >= GRAZING).then_some(met.gap)
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ mod common;
 mod begun_apart;
 mod box_of_two;
 mod boxes;
+mod corners;
 mod cylinders;
 mod ends;
 mod films;

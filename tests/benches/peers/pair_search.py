@@ -7,8 +7,8 @@ Rules (src/pairs, decision 67), found here by looking at everything:
 * the other surface goes on beyond its ends and corners by 0.3 of the last face;
 * pieces end where a ray passes an end of a face of the other surface, or where one stops going on, within reach
   along the ray, or of a face that is met; the partner is the nearest one on the ray from the middle, met at a cosine
-  of at least 0.2, at most a quarter of the extent of the smaller surface inside and twice that open; faces of which
-  no piece is within once that have none.
+  of at least 0.2, at most a quarter of the extent of the smaller surface inside and twice that open, or a tenth of the
+  own face open at a cosine below a half, unless a gap without a jump joins it to the rest; faces of which no piece is within once that have none.
 """
 import itertools
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ import numpy as np
 
 from pair_gap import FACE, NOTHING, WALL, Pieces, cross, dot, point, right, slope, tangents, unit
 
-SMOOTH, BEYOND, GRAZING, REACH, WIDE = 0.866, 0.3, 0.2, 0.25, 2.0
+SMOOTH, BEYOND, GRAZING, SLANTED, REACH, WIDE, OPEN = 0.866, 0.3, 0.2, 0.5, 0.25, 2.0, 0.1
 # Shorter pieces are left out; hits may miss an end by rounding.
 SHORTEST, MISSED = 1e-12, 1e-9
 
@@ -128,9 +128,36 @@ class Meetings:
             if found <= met:
                 break
             met |= found
+        runs = self.kept(face, runs)
         for partner, *ends, _ in runs if any(run[-1] <= self.reach for run in runs) else []:
             places = [self.opposite(s, partner, breaks) for s in ends]
             yield face, partner, [s for s, _ in places], [r for _, r in places]
+
+    def kept(self, face, runs):
+        """Without what is met aslant and far unless a continuous gap joins it to the rest."""
+        near = OPEN * np.linalg.norm(slope(self.own[face][None], np.array([0.5])))
+        keep = [cos >= SLANTED or gap <= near for (p, a, b, gap) in runs for cos in [self.hit(face, 0.5 * (a + b), p)[1]]]
+        for _ in runs:
+            for i, j in [*zip(range(len(runs)), range(1, len(runs)))]:
+                if keep[i] == keep[j] or runs[j][1] - runs[i][2] > SHORTEST:
+                    continue
+                g = [self.hit(face, runs[j][1], runs[k][0])[0] for k in (i, j)]
+                if abs(g[0] - g[1]) <= near:
+                    keep[i] = keep[j] = True
+        return [run for run, own in zip(runs, keep) if own]
+
+    def hit(self, face, s, partner):
+        """Gap and cosine on the ray from s to a partner."""
+        x = point(self.own[face][None], np.array([s]))[0]
+        t0, t1 = self.tangents[face]
+        t = t0 + s * (t1 - t0)
+        n = right(t)
+        c, d, m = self.partners[partner]
+        k = [t @ (c - x), t @ (4 * m - 3 * c - d), t @ (2 * c + 2 * d - 4 * m)]
+        r = -2 * k[0] / (k[1] + np.copysign(np.sqrt(max(k[1] ** 2 - 4 * k[2] * k[0], 0.0)), k[1]))
+        y, along = (of(self.partners[partner][None], np.array([r]))[0] for of in (point, slope))
+        size = np.linalg.norm(n)
+        return n @ (y - x) / size, -cross(n, along) / (size * np.linalg.norm(along))
 
     def runs(self, face, breaks):
         """[partner, first, last, least gap] between breaks."""

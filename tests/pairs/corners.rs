@@ -1,0 +1,43 @@
+//! Corners of a body that dip into a softer one.
+
+use super::folds::with_union;
+use super::scenes::{between, joined, rubber};
+use crate::common::meshes::{mesh, moved, unit_grid};
+use crate::common::scenes::{HELD_IN_PLANE, pull, support};
+use crate::common::{assert_converged, close, solve};
+use signorini::{Scene, StepReport};
+
+/// A block of five facets pressed by its `surface` into a soft slab of `facets`, which carries.
+fn dipped(facets: usize, friction: f64, surface: &str) -> Vec<StepReport> {
+    let slab = moved(unit_grid(facets, 4), |[x, y, z]| {
+        [2.4 * x - 1.2, y - 1.0, z]
+    });
+    let block = moved(unit_grid(5, 5), |[x, y, z]| [x - 0.4, y, z]);
+    let parts = joined(&[("low_", slab), ("up_", block)]);
+    let parts = with_union(parts, "skin", &["up_x0", "up_y0", "up_x1"]);
+    let mut contacts = between("low_y1", surface);
+    contacts.iter_mut().for_each(|one| one.friction = friction);
+    let scene = Scene {
+        supports: vec![
+            support("low_y0", HELD_IN_PLANE),
+            support("up_y1", HELD_IN_PLANE),
+        ],
+        contacts,
+        ..rubber([("low_body", 0.01), ("up_body", 1.0)], Some(2.0))
+    };
+    let steps = [pull("up_y1", [Some(0.0), Some(-0.12), None], 3)];
+    solve(&scene, &steps, &mesh(parts))
+}
+
+#[test]
+fn walls_that_touch_nothing_change_nothing_where_corners_dip_into_a_soft_body() {
+    for (facets, friction) in [(5, 0.0), (6, 0.0), (7, 0.3), (8, 0.3)] {
+        let [all, sole] = ["skin", "up_y0"].map(|on| dipped(facets, friction, on));
+        for (all, sole) in all.iter().zip(&sole) {
+            assert_converged(all);
+            assert!(all.sqp_iterations <= 12, "{}", all.sqp_iterations);
+            let [found, expected] = [all, sole].map(|report| report.contacts["pair"].force[1]);
+            assert!(close(found, expected, 1e-7), "{found} {expected}");
+        }
+    }
+}
