@@ -7,8 +7,7 @@
 //! An open node is beside those that it lies on, so that a fluid gets from one body to the other. What
 //! contact presses on bears that share of the pressure, and is wet where what it lies on is, by half at least: there is one film between two bodies,
 //! which is known by the nodes of the one that carries the pressure. So no way leads along the other one
-//! through closed contact, and a fluid that comes along the flank of the other one to an edge that is pressed is on
-//! the carrier there, as if it came along its own flank. Shapes `[nodes of the surface]`. Cost: a sort of the pairs of neighbours.
+//! through closed contact. Shapes `[nodes of the surface]`. Cost: a sort of the pairs of neighbours.
 
 use std::borrow::Cow;
 
@@ -32,13 +31,6 @@ impl Across {
     /// Which share of what it lies on is wet.
     fn share(&self, wet: &[bool]) -> f64 {
         self.on.iter().filter(|on| wet[on.0]).map(|on| on.1).sum()
-    }
-
-    /// The nodes that it lies on most.
-    fn most(&self) -> impl Iterator<Item = usize> + '_ {
-        let most = self.on.iter().fold(0.0_f64, |most, on| most.max(on.1));
-        let own = self.on.iter().filter(move |on| on.1 >= most);
-        own.map(|on| on.0)
     }
 
     /// Whether what it lies on is wet.
@@ -67,19 +59,13 @@ pub fn joined<'a>(surface: &'a FluidSurface, across: &[Across]) -> Cow<'a, Fluid
     Cow::Owned(surface.with_neighbours(along.chain(links)))
 }
 
-/// Wets the pressed nodes that lie on what is wet, and nodes of the carrier that sources are pressed on,
-/// each the one that it lies on most; how many.
-pub fn follow(across: &[Across], sources: &[bool], wet: &mut [bool]) -> usize {
-    let pressed = || across.iter().filter(|one| one.is_pressed);
-    let coming = pressed().filter(|one| one.is_on_wet(wet));
-    let coming = coming.map(|one| one.place);
-    let sourced = pressed().filter(|one| sources[one.place]);
-    let mut all: Vec<usize> = coming.chain(sourced.flat_map(Across::most)).collect();
-    all.retain(|&place| !wet[place]);
-    all.sort_unstable();
-    all.dedup();
-    all.iter().for_each(|&place| wet[place] = true);
-    all.len()
+/// Wets the pressed nodes that lie on what is wet; how many.
+pub fn follow(across: &[Across], wet: &mut [bool]) -> usize {
+    let dry = across.iter().filter(|one| one.is_pressed);
+    let coming = dry.filter(|one| !wet[one.place] && one.is_on_wet(wet));
+    let coming: Vec<usize> = coming.map(|one| one.place).collect();
+    coming.iter().for_each(|&place| wet[place] = true);
+    coming.len()
 }
 
 /// Has all pressed nodes but `sources` be as what they lie on.
@@ -214,25 +200,6 @@ mod tests {
     }
 
     #[test]
-    fn a_source_on_either_surface_wets_a_pressed_edge() {
-        let touching = Touching::new();
-        let mut across = touching.across([true; 5]);
-        let mut sources = vec![false; 10];
-        sources[touching.other[0]] = true;
-        let mut wet = sources.clone();
-        assert_eq!(follow(&across, &sources, &mut wet), 1);
-        assert!(wet[touching.carrier[0]]);
-        assert_eq!(follow(&across, &sources, &mut wet), 0);
-        // Where it lies between nodes the nearer one, and none where the surfaces are open.
-        across[0].on = vec![(touching.carrier[0], 0.4), (touching.carrier[1], 0.6)];
-        let mut wet = sources.clone();
-        assert_eq!(follow(&across, &sources, &mut wet), 1);
-        assert!(wet[touching.carrier[1]]);
-        across[0].is_pressed = false;
-        assert_eq!(follow(&across, &sources, &mut sources.clone()), 0);
-    }
-
-    #[test]
     fn the_film_between_bodies_is_that_of_the_carrier() {
         let touching = Touching::new();
         let across = touching.across([true; 5]);
@@ -240,7 +207,7 @@ mod tests {
         wet[touching.carrier[0]] = true;
         wet[touching.carrier[1]] = true;
         wet[touching.other[4]] = true;
-        assert_eq!(follow(&across, &[false; 10], &mut wet), 2);
+        assert_eq!(follow(&across, &mut wet), 2);
         let of = |wet: &[bool]| -> Vec<bool> { touching.other.iter().map(|&k| wet[k]).collect() };
         assert_eq!(of(&wet), [true, true, false, false, true]);
         settle(&across, &touching.surface.sources, &mut wet);

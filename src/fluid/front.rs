@@ -29,7 +29,7 @@ pub struct Advance {
     pub flooded: usize,
     /// Pressed ones.
     pub entered: usize,
-    /// Pressed ones that lie on wet ones of another body, or that a source of one is pressed on.
+    /// Pressed ones that lie on wet ones of another body.
     pub followed: usize,
 }
 
@@ -60,7 +60,7 @@ impl Front<'_> {
     /// nodes do that are pressed by less than the threshold: the fluid lifts what it enters, so that
     /// what lies beside that is pressed less, not more.
     pub fn advance(&self, wet: &mut [bool]) -> Advance {
-        let followed = follow(self.across, &self.surface.sources, wet);
+        let followed = follow(self.across, wet);
         let flooded = self.spread(wet, |place| self.is_open(place));
         let is_weak = |place: usize| self.total[place] < self.threshold;
         let entered = match followed + flooded {
