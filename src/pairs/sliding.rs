@@ -62,7 +62,7 @@ impl PairSurface {
             ..rest.clone()
         };
         if let Sides::Space(sides) = &self.sides {
-            sides.hold((&mut sliding, surface), [body.displaced(start), *body]);
+            sides.hold((&mut sliding, surface), [start, body.displacement]);
         }
         sliding
     }

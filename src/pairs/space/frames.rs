@@ -14,7 +14,6 @@
 use super::normals::Row;
 use super::patch::{EDGES, NODES, Patch};
 use super::skin::Skin;
-use crate::contact::Deformed;
 use crate::contact::shares::add_equal_columns;
 use crate::geometry::vector3::{add, cross, dot, norm, scale, sub};
 use crate::pairs::ground::Ground;
@@ -44,15 +43,14 @@ pub(super) type Wall = [u32; 2];
 /// Whether supports move both surfaces apart along an axis.
 pub(super) type IsMoved<'a> = dyn Fn(usize, Wall) -> bool + 'a;
 
-/// Of an increment between two states of the body.
-pub(super) fn is_moved([start, now]: [Deformed<'_>; 2]) -> impl Fn(usize, Wall) -> bool {
-    move |axis, wall| {
-        let [own, other] = wall.map(|node| {
-            let [from, to] = [&start, &now].map(|at| at.place(node as usize)[axis]);
-            to - from
-        });
+/// In an increment between displacements `start` and `now`: once supports have moved the sides of a common plane
+/// apart friction has been built up along it, which the next increment goes on from.
+pub(super) fn is_moved<'a>(start: &'a [f64], now: &'a [f64]) -> impl Fn(usize, Wall) -> bool + 'a {
+    let is_apart = |at: &[f64], axis: usize, wall: Wall| {
+        let [own, other] = wall.map(|vertex| at[3 * vertex as usize + axis]);
         (own - other).abs() > SAME * (own.abs() + other.abs())
-    }
+    };
+    move |axis, wall| is_apart(start, axis, wall) || is_apart(now, axis, wall)
 }
 
 /// Of the functions of a carrier with faces that have the `functions`, of `count`; `other` is what it meets.
@@ -63,6 +61,7 @@ pub(super) fn tangents(
 ) -> Vec<Tangents> {
     let mut all = vec![Tangents::default(); count];
     let planes = held_planes(ground, other);
+    let near = SAME * ground.mesh.extent();
     for (number, (face, functions)) in (0..).zip(carrier.faces.iter().zip(functions)) {
         for (k, &function) in functions.iter().enumerate() {
             let Some(own) = all.get_mut(function as usize) else {
@@ -72,7 +71,7 @@ pub(super) fn tangents(
                 own.ends = k
                     .checked_sub(3)
                     .map_or([k, (k + 1) % 3], |edge| EDGES[edge]);
-                own.walls = walls(ground, face.nodes[k], &planes);
+                own.walls = walls(ground, (face.nodes[k], near), &planes);
             }
             own.faces.push(number);
         }
@@ -114,17 +113,23 @@ fn held_planes(ground: Ground<'_>, skin: &Skin) -> [Vec<(f64, u32)>; 3] {
 }
 
 /// Along which axes a node is held, and the other surface in the same plane.
-fn walls(ground: Ground<'_>, node: u32, planes: &[Vec<(f64, u32)>; 3]) -> [Option<Wall>; 3] {
+fn walls(
+    ground: Ground<'_>,
+    (node, near): (u32, f64),
+    planes: &[Vec<(f64, u32)>; 3],
+) -> [Option<Wall>; 3] {
     let place = at_rest(ground, node);
-    let near = SAME * ground.mesh.extent();
     [0, 1, 2].map(|axis: usize| {
         if !(ground.is_held)(3 * node + axis as u32) {
             return None;
         }
         let first = planes[axis].partition_point(|(x, _)| *x < place[axis] - near);
-        let found = planes[axis].get(first);
-        let met = found.filter(|(x, _)| *x <= place[axis] + near);
-        met.map(|&(_, other)| [node, other].map(|node| vertex(ground, node)))
+        let met = planes[axis][first..].iter();
+        let met = met.take_while(|(x, _)| *x <= place[axis] + near);
+        // Of several bodies the one that is nearest, the first of equal ones.
+        let distance = |&(_, other): &(f64, u32)| norm(sub(at_rest(ground, other), place));
+        let nearest = met.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.map(|&(_, other)| [node, other].map(|node| vertex(ground, node)))
     })
 }
 

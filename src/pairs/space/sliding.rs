@@ -176,7 +176,7 @@ impl SpaceSides {
             let patches = &gaps.placed().patches;
             let (frames, slips) = match from {
                 From::Start(start) => {
-                    let is_moved = is_moved([body.displaced(start), *body]);
+                    let is_moved = is_moved(start, body.displacement);
                     let slips = self.slips((gaps, surface), body, start);
                     (self.frames(patches, surface, &is_moved), slips)
                 }
@@ -270,7 +270,7 @@ impl SpaceSides {
             own: self.pair.carrier.rayed(&patches).1,
             others: self.pair.other.patches(&place),
         };
-        let is_moved = is_moved([body.displaced(start), *body]);
+        let is_moved = is_moved(start, body.displacement);
         (before, self.frames(&patches, surface, &is_moved))
     }
 
@@ -295,14 +295,14 @@ impl SpaceSides {
         self.frames(patches, surface, &|_, _| true)
     }
 
-    /// Takes tangents off the slips of linear bodies along which both surfaces are held and moved alike between two
-    /// states.
+    /// Takes tangents off the slips of linear bodies along which both surfaces are held and moved alike from
+    /// `start` to `now`.
     pub(in crate::pairs) fn hold(
         &self,
         (sliding, surface): (&mut Sliding, &ContactSurface),
-        states: [Deformed<'_>; 2],
+        [start, now]: [&[f64]; 2],
     ) {
-        let is_moved = is_moved(states);
+        let is_moved = is_moved(start, now);
         for m in 0..sliding.frames.len() {
             let Some(k) = surface.shares.function(m as u32) else {
                 continue;

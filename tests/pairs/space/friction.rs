@@ -98,10 +98,16 @@ fn pushed_by_its_side(scene: Scene, off: f64) -> [f64; 3] {
     press
         .supports
         .extend(pull("up_x0", [Some(0.08), None, None], 1).supports);
-    let reports = solve(&scene, &[press], &body);
-    let last = reports.last().expect("a report");
-    assert_converged(last);
-    last.contacts["pair"].force
+    let reports = solve(&scene, &[press, Step::default()], &body);
+    reports.iter().for_each(assert_converged);
+    let [.., pushed, rests] = &reports[..] else {
+        panic!("{reports:?}");
+    };
+    let [pushed, rests] = [pushed, rests].map(|report| report.contacts["pair"].force);
+    // An increment that moves nothing leaves the friction that is there.
+    let apart = pushed.iter().zip(rests).map(|(a, b)| (a - b).abs());
+    assert!(apart.fold(0.0, f64::max) < 1e-6, "{pushed:?} {rests:?}");
+    pushed
 }
 
 /// Both blocks are held at sides that lie in one plane, and one of them is moved off it: it slips there too, as
