@@ -143,9 +143,13 @@ pub(super) fn least_force(model: &Model<'_>, state: &State, now: &Evaluation) ->
     at_rest(model, now).max(rounding(model, state) / model.conditions.tolerance)
 }
 
-/// The same after a step to where bodies meet nothing, and all that is left of forces is rounding in the
-/// moduli of the stiffest of them: it was carried there as a whole. Zero elsewhere.
+/// The same of several bodies of rubber after a step to where they meet nothing, and forces are at most rounding in
+/// the moduli of the stiffest of them, as where it was carried there as a whole. Zero elsewhere.
 pub(super) fn carried_force(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
+    let mut all = model.interfaces.list.iter();
+    if !model.is_rubber() || !all.any(|one| one.pair().is_some()) {
+        return 0.0;
+    }
     let materials = model.plan.problem.resolved.materials.iter();
     let stiffest = materials.fold(0.0, |most: f64, one| most.max(one.law.shear_modulus));
     let noise = rounding(model, state) * stiffest / model.plan.problem.units.stress;
