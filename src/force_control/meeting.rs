@@ -31,8 +31,8 @@ pub(super) fn lead_bodies(run: &Run<'_>, controls: &[Control], lost: &[f64]) -> 
             body.lead(run, &mut displacement);
         }
     }
-    // What is nearer has shown in the differences.
-    if bodies.iter().all(|body| norm(&body.way) <= MOTION) {
+    // What is nearer has shown in the differences, which go along axes: to oblique planes by less.
+    if bodies.iter().all(|body| norm(&body.way) <= 0.5 * MOTION) {
         return None;
     }
     let way = |control: &Control| match control.part {
