@@ -55,7 +55,12 @@ pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
             advanced = pressing(drive, drives);
             continue;
         }
-        if slides == MOST_SLIDES || !slide(&run.model, run.state, drive) {
+        if !slide(&run.model, run.state, drive) {
+            return ending;
+        }
+        if slides == MOST_SLIDES {
+            ending.termination = Termination::NotConverged;
+            ending.cause = Some(Cause::IterationLimit);
             return ending;
         }
         slides += 1;
