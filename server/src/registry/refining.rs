@@ -125,6 +125,7 @@ impl Work {
             longest: self.longest,
             begun: Instant::now(),
             paused: Duration::ZERO,
+            is_late: false,
         };
         let reservation = &mut self.reservation;
         let watch = Watch {
@@ -140,6 +141,9 @@ impl Work {
         };
         let adapted = adapt(problem, &self.accuracy, watch);
         let adapted = adapted.map_err(|error| self.fault(error))?;
+        if turns.is_late && adapted.rounds.is_empty() {
+            return Err(Fault::StreamDeadline);
+        }
         Ok((Box::new(adapted), self.reservation))
     }
 
@@ -159,6 +163,8 @@ struct Turns<'a> {
     begun: Instant,
     /// Time in which others had the slot.
     paused: Duration,
+    /// Whether the work was ended for its time.
+    is_late: bool,
 }
 
 impl Observer for Turns<'_> {
@@ -168,6 +174,7 @@ impl Observer for Turns<'_> {
         self.paused += self.slot.pause(&is_stopped);
         let used = self.begun.elapsed().saturating_sub(self.paused);
         if self.longest.is_some_and(|longest| used > longest) {
+            self.is_late = true;
             self.cancel.expire();
         }
     }
