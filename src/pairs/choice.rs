@@ -319,6 +319,9 @@ fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Opti
             continue;
         };
         let far = gap.abs() + beyond(face, s, partner);
+        if stands_out(face, s, index, partners) {
+            continue;
+        }
         if reach.holds(s, gap) && best.is_none_or(|(_, _, least)| far < least) {
             best = Some((index, gap, far));
         }
@@ -333,6 +336,19 @@ fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Opti
         };
         is_clear && !partners.iter().any(is_hidden)
     })
+}
+
+/// Whether a partner is met where its line stands out of the other body beyond a corner, before the face on the
+/// other side of that corner, which the ray meets more squarely: the flank of a tip would touch before its end.
+fn stands_out(face: &Face<f64>, s: f64, index: usize, partners: &[Partner]) -> bool {
+    let partner = &partners[index];
+    let is_face = |met: &Met| (-BESIDE..=1.0 + BESIDE).contains(&met.r);
+    let own = met(face, s, partner).filter(|own| partner.role == Role::Apart && !is_face(own));
+    let is_before = |own: &Met, other: &Partner| {
+        let met = met(face, s, other).filter(|met| is_face(met) && met.gap > own.gap);
+        met.is_some_and(|met| met.cosine > own.cosine) && are_joined(partner, other)
+    };
+    own.is_some_and(|own| partners.iter().any(|other| is_before(&own, other)))
 }
 
 /// Whether neighbouring rays of a point of the face still go their way side by side at a distance
