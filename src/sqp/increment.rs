@@ -27,9 +27,9 @@ use crate::report::{Cause, Residuals, Termination};
 constants! {
     /// Programs of a linear problem that may leave the residual as it is: rounding does.
     const MOST_IDLE: u32 = 5;
-    /// Residual up to which a linear problem, and one of rubber, is solved whose rounding hides the rest: by 1e12
-    /// between linear moduli 1e-4 are hidden, and forces still are right to 1e-6; of rubber chosen.
-    const MOST_ROUNDING: [f64; 2] = [1e-3, 1e-6];
+    /// Residual up to which a linear problem is solved whose rounding hides the rest: by 1e12 between
+    /// moduli 1e-4 are hidden, and forces still are right to 1e-6.
+    const MOST_ROUNDING: f64 = 1e-3;
     /// The same of a body of finite strain, which turns against forces that grow before they fall: a
     /// bonded block of 32 cells ends at the same load after 12 s with this and after 27 to 35 s without.
     const MOST_IDLE_AT_FINITE_STRAIN: u32 = 12;
@@ -98,10 +98,7 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
             Ok(next) => at.advance(run, next, worst),
             Err(refused) => match at.non_monotone_step(run, &step, program.start(), refused) {
                 Some(next) => at.advance(run, next, worst),
-                None => {
-                    let verdict = at.at_rounding(run).unwrap_or_else(|| refused.verdict());
-                    return at.ending(run, verdict);
-                }
+                None => return at.ending(run, refused.verdict()),
             },
         }
     }
@@ -200,8 +197,9 @@ impl Iterate {
         residuals(state, &self.now, self.first_force)
     }
 
-    /// The end of a problem whose programs are solved and bring nothing: what is left of its residual is rounding.
-    /// Before that the kept directions of a linear one go, whose products rounding has parted from them.
+    /// The end of a linear problem whose programs are solved and bring nothing: what is
+    /// left of its residual is rounding. Before that the kept
+    /// directions go, whose products rounding has parted from them.
     fn idleness(&mut self, run: &mut Run<'_>, worst: f64) -> Option<Verdict> {
         if worst <= 0.5 * self.least {
             (self.least, self.idle) = (worst, 0);
@@ -213,27 +211,24 @@ impl Iterate {
             let is_by_factor =
                 run.learned.factored.is_some() && run.model.conditions.proximal.is_none();
             let is_stuck = is_by_factor && self.idle > MOST_IDLE_AT_FINITE_STRAIN;
-            return is_stuck.then(|| self.end_of_progress(run));
+            return is_stuck.then(|| Verdict::failed(Cause::Stagnation));
         }
         run.learned.directions.clear(run.work);
         (self.idle >= MOST_IDLE).then(|| self.end_of_progress(run))
     }
 
-    /// How a problem ends whose programs are solved and bring nothing.
+    /// How a linear problem ends whose programs are solved and bring nothing: in balance where what
+    /// is left is rounding, and little of the forces. A body that no support holds slides away into
+    /// a rounding of its own.
     fn end_of_progress(&self, run: &mut Run<'_>) -> Verdict {
-        let stagnated = || Verdict::failed(Cause::Stagnation);
-        self.at_rounding(run).unwrap_or_else(stagnated)
-    }
-
-    /// The end in balance where what is left is rounding, and little of the forces. A body that no support
-    /// holds slides away into a rounding of its own.
-    fn at_rounding(&self, run: &mut Run<'_>) -> Option<Verdict> {
         let left = self.residuals(run.state);
         let is_met = left.gap.max(left.complementarity) <= run.model.conditions.tolerance;
-        let most = MOST_ROUNDING[usize::from(run.model.is_rubber())];
-        let is_small = left.largest() <= most && !run.model.plan.is_floating();
-        let is_at_end = is_met && is_small && is_rounding(run, &self.now);
-        is_at_end.then(|| Verdict::stopped(Termination::Converged))
+        let is_small = left.largest() <= MOST_ROUNDING && !run.model.plan.is_floating();
+        if is_met && is_small && is_rounding(run, &self.now) {
+            Verdict::stopped(Termination::Converged)
+        } else {
+            Verdict::failed(Cause::Stagnation)
+        }
     }
 
     /// Takes an accepted step over, which started from the residual `worst`.
