@@ -1,7 +1,7 @@
 //! Coefficients of friction and given bounds of tractions, of obstacles and of contacts between bodies.
 
 use super::super::perturbed::Perturbed;
-use super::place::{OF_CONSTANTS, Place};
+use super::place::{OF_CONSTANTS, Place, stress_step};
 use crate::model::Model;
 use crate::model::evaluate::Terms;
 use crate::model::state::State;
@@ -69,7 +69,7 @@ impl Place for Tresca {
     fn step(&self, (model, _): (&Model<'_>, &State)) -> Result<f64, &'static str> {
         let bound = self.0.bound(model);
         bound.ok_or("it has no given bound on its tractions")?;
-        Ok(OF_CONSTANTS * model.plan.problem.units.stress)
+        Ok(stress_step(model))
     }
 
     fn apply(&self, changed: &mut Perturbed<'_>, by: f64) -> Result<(), String> {

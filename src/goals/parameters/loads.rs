@@ -1,7 +1,7 @@
 //! Loads: their factor, pressures, fluids, tractions, body force.
 
 use super::super::perturbed::Perturbed;
-use super::place::{OF_CONSTANTS, Place};
+use super::place::{OF_CONSTANTS, Place, stress_step};
 use crate::model::Model;
 use crate::model::evaluate::Terms;
 use crate::model::state::State;
@@ -33,7 +33,7 @@ impl Place for Pressure {
     }
 
     fn step(&self, (model, _): (&Model<'_>, &State)) -> Result<f64, &'static str> {
-        Ok(OF_CONSTANTS * model.plan.problem.units.stress)
+        Ok(stress_step(model))
     }
 
     fn apply(&self, changed: &mut Perturbed<'_>, by: f64) -> Result<(), String> {
@@ -51,7 +51,7 @@ impl Place for Fluid {
     }
 
     fn step(&self, (model, _): (&Model<'_>, &State)) -> Result<f64, &'static str> {
-        Ok(OF_CONSTANTS * model.plan.problem.units.stress)
+        Ok(stress_step(model))
     }
 
     fn apply(&self, changed: &mut Perturbed<'_>, by: f64) -> Result<(), String> {
@@ -72,7 +72,7 @@ impl Place for Traction {
     }
 
     fn step(&self, (model, _): (&Model<'_>, &State)) -> Result<f64, &'static str> {
-        Ok(OF_CONSTANTS * model.plan.problem.units.stress)
+        Ok(stress_step(model))
     }
 
     fn apply(&self, changed: &mut Perturbed<'_>, by: f64) -> Result<(), String> {

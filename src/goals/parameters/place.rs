@@ -14,6 +14,11 @@ pub(super) const OF_CONSTANTS: f64 = 1e-4;
 /// derivatives 3 % off (measured against differences of whole solves), at 1e-6 they agree to five digits.
 pub(super) const OF_LENGTHS: f64 = 1e-6;
 
+/// Step of what is a stress, in the caller's units.
+pub(super) fn stress_step(model: &Model<'_>) -> f64 {
+    OF_CONSTANTS * model.plan.problem.units.stress
+}
+
 /// A parameter found in the scene.
 pub(in crate::goals) trait Place {
     /// The terms of the residuals that depend on it.
