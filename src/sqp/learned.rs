@@ -27,6 +27,9 @@ pub(crate) struct Learned {
     /// The factor of the body that the last program made, with which later ones begin; none
     /// while iterations are cheaper.
     pub(crate) factored: Option<Arc<FactoredBody>>,
+    /// Whether the factor of the body, once ordered, takes more than it may: the price of the plan
+    /// is an estimate.
+    pub(crate) factor_is_too_large: bool,
     /// The softest motion of the last equilibrium; none for linear bodies.
     pub(crate) lowest_mode: Option<LowestMode>,
     /// How the last parts moved the state; none for linear bodies.
@@ -76,6 +79,7 @@ impl Learned {
             directions: plan.directions(),
             refresh: PreconditionerRefresh::default(),
             factored: None,
+            factor_is_too_large: false,
             lowest_mode: None,
             trend: None,
             linearised: Arc::default(),
@@ -103,6 +107,7 @@ impl Learned {
             directions: self.directions.clone(),
             refresh: self.refresh.clone(),
             factored: self.factored.clone(),
+            factor_is_too_large: self.factor_is_too_large,
             lowest_mode: self.lowest_mode.clone(),
             trend: self.trend.clone(),
             linearised: self.linearised.clone(),

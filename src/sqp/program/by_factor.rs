@@ -28,8 +28,8 @@ use super::step::{Step, step_from};
 use crate::contact::area_change::Pressures;
 use crate::contact::curvature_where_held;
 use crate::inequality::{
-    BodyFactor, Matrices, OneLevel, QpIterate, QpNorms, QpRun, QpScales, QpTargets, dense_cone,
-    slides_of,
+    BodyFactor, Matrices, OneLevel, QpIterate, QpNorms, QpRun, QpScales, QpStatus, QpTargets,
+    dense_cone, slides_of,
 };
 use crate::krylov::Verdict;
 use crate::linalg::vector::add_scaled;
@@ -121,6 +121,7 @@ impl QuadraticProgram<'_> {
         let layout = run.learned.layout(&run.model);
         let Run {
             state,
+            learned,
             watch,
             counters,
             work,
@@ -142,7 +143,9 @@ impl QuadraticProgram<'_> {
             contact: &no_contact,
             ..all
         };
-        BodyFactor::stable(&matrices, MOST_TURNED, work).ok()
+        let factor = BodyFactor::stable(&matrices, MOST_TURNED, work);
+        learned.factor_is_too_large |= matches!(factor, Err(QpStatus::TooLarge));
+        factor.ok()
     }
 
     /// The step to the solution in the compliance of the factor; none where that has none.

@@ -167,7 +167,7 @@ impl QuadraticProgram<'_> {
             }
             let is_no_better = scaled == Scaled::BySolution && at.relative() > 0.5 * before;
             let stagnates = failed.is_some() || is_no_better;
-            let may_take_factor = !self.has_fresh_factor && self.model.plan.factor_cost().is_some();
+            let may_take_factor = !self.has_fresh_factor && self.factor_cost(run).is_some();
             if stagnates && !(may_take_factor && self.take_factor(run)) && failed.is_some() {
                 break;
             }

@@ -48,6 +48,8 @@ pub(super) struct Solve<'s> {
     pub(super) scales: &'s mut QpScales,
     /// Krylov directions of earlier programs, which this one uses and adds to.
     pub(super) directions: &'s mut Directions,
+    /// Iterations, at most.
+    pub(super) iterations: u32,
 }
 
 /// Adds what a program took.
@@ -68,9 +70,10 @@ fn is_lost(status: QpStatus) -> bool {
 
 impl QuadraticProgram<'_> {
     /// Solves the program to `level`: by iterations until they have cost as much as a factor of
-    /// the body, from the first one on by factors.
+    /// the body, from the first one on by factors; by iterations alone where the factor, once
+    /// ordered, takes more than it may.
     pub(crate) fn solve(&mut self, run: &mut Run<'_>, level: f64) -> (Step, QpOutcome) {
-        let may_take_factor = self.model.plan.factor_cost().is_some();
+        let may_take_factor = self.factor_cost(run).is_some();
         let begins_by_factor = run.state.by_factor || run.learned.factored.is_some();
         let first = if begins_by_factor && may_take_factor {
             self.solve_by_kept_factor(run, level)
@@ -80,6 +83,9 @@ impl QuadraticProgram<'_> {
         match first {
             Some(solved) if !is_lost(solved.1.status) => solved,
             _ if may_take_factor && self.take_factor(run) => self.solve_by_factor(run, level),
+            Some(_) if may_take_factor && run.learned.factor_is_too_large => {
+                self.solve_with(self.geometric.all(), run, level)
+            }
             Some(solved) => solved,
             None => self.solve_as_planned(run, level),
         }
@@ -186,6 +192,7 @@ impl QuadraticProgram<'_> {
             multiplier_error: self.model.is_rubber().then_some(PRESSURE_ERROR),
         };
         let mut scales = run.state.scales;
+        let iterations = self.most_iterations(run);
         let mut iterate = self.start_from(curvature, run);
         let krylov = std::time::Instant::now();
         let displacement = Counted::new(&*self.inverse.displacement);
@@ -202,6 +209,7 @@ impl QuadraticProgram<'_> {
             targets,
             scales: &mut scales,
             directions: &mut run.learned.directions,
+            iterations,
         };
         let outcome = self.run_method(curvature, solve, &mut track, run.work);
         track.count();
@@ -277,7 +285,7 @@ impl QuadraticProgram<'_> {
                     displacement,
                     pressure: pressure.as_ref(),
                     targets: solve.targets,
-                    iterations: self.most_iterations() as usize,
+                    iterations: solve.iterations as usize,
                 };
                 let method = &*method;
                 Linear { method, system }.solve(solve.iterate, solve.scales, track, work)
@@ -292,7 +300,7 @@ impl QuadraticProgram<'_> {
                 let mut run = QpRun {
                     targets: solve.targets,
                     scales: solve.scales,
-                    iterations: self.most_iterations(),
+                    iterations: solve.iterations,
                     directions: solve.directions,
                     progress: &mut progress,
                     work,
@@ -303,7 +311,7 @@ impl QuadraticProgram<'_> {
     }
 
     /// Iterations of a method for inequalities, at most.
-    fn most_iterations(&self) -> u32 {
+    fn most_iterations(&self, run: &Run<'_>) -> u32 {
         if self.factored.is_some() {
             return MOST_BY_FACTOR;
         }
@@ -313,10 +321,13 @@ impl QuadraticProgram<'_> {
             Some(_) if self.model.plan.has_friction() => MOST_WITH_FRICTION[1],
             Some(_) => MOST_AT_FINITE_STRAIN,
         };
-        self.model
-            .plan
-            .factor_cost()
-            .map_or(most, |price| price.min(most))
+        self.factor_cost(run).map_or(most, |price| price.min(most))
+    }
+
+    /// Iterations that cost as much as a factor of the body; none where that takes more than it may.
+    pub(super) fn factor_cost(&self, run: &Run<'_>) -> Option<u32> {
+        let price = self.model.plan.factor_cost();
+        price.filter(|_| !run.learned.factor_is_too_large)
     }
 
     /// The body less `curvature`, on this program's contacts.
