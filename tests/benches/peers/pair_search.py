@@ -4,11 +4,13 @@ Rules (src/pairs, decision 67), found here by looking at everything:
 
 * bodies lie to the left of their faces; faces that turn by at most 30 degrees at a common vertex share its normal;
 * an end that supports hold in one component, about along the face, has the normal of that wall, of a carrier;
-* the other surface goes on beyond its ends and corners by 0.3 of the last face;
+* the other surface goes on beyond its ends and corners by 0.3 of the last face, but not before the face on the other
+  side of the corner that the ray meets more squarely;
 * pieces end where a ray passes an end of a face of the other surface, or where one stops going on, within reach
   along the ray, or of a face that is met; the partner is the nearest one on the ray from the middle, met at a cosine
   of at least 0.2, at most a quarter of the extent of the smaller surface inside and twice that open, or a tenth of the
-  own face open at a cosine below a half, unless a gap without a jump joins it to the rest; faces of which no piece is within once that have none.
+  own face open at a cosine below a half, unless a gap without a jump joins it to the rest; faces of which no piece is
+  within once that have none; rays count up to half of the way to where neighbouring ones meet (decision 72).
 """
 import itertools
 from dataclasses import dataclass
@@ -17,7 +19,7 @@ import numpy as np
 
 from pair_gap import FACE, NOTHING, WALL, Pieces, cross, dot, point, right, slope, tangents, unit
 
-SMOOTH, BEYOND, GRAZING, SLANTED, REACH, WIDE, OPEN = 0.866, 0.3, 0.2, 0.5, 0.25, 2.0, 0.1
+SMOOTH, BEYOND, GRAZING, SLANTED, REACH, WIDE, OPEN, FOCUS = 0.866, 0.3, 0.2, 0.5, 0.25, 2.0, 0.1, 0.5
 # Shorter pieces are left out; hits may miss an end by rounding.
 SHORTEST, MISSED = 1e-12, 1e-9
 
@@ -98,7 +100,14 @@ class Meetings:
         self.partners, self.ranges = places[other.nodes], ranges
         self.reach = REACH * min(diagonal(own[:, :2].reshape(-1, 2)), diagonal(hull(self.partners, ranges)))
         self.own, self.tangents = own, tangents(places[self.nodes(np.arange(len(own)))], carrier.beside, carrier.walls)
+        self.turned = self.across_corners()
         self.pieces = self.find()
+
+    def across_corners(self):
+        """Whether face q lies across the vertex at an end of face p [end, p, q]."""
+        ends, size = self.other.nodes[:, :2], len(self.other.nodes)
+        others = ~np.eye(size, dtype=bool)
+        return np.array([(ends[:, end, None, None] == ends).any(axis=2) & others for end in (0, 1)])
 
     def nodes(self, face, other=None):
         """Nodes of pieces [m, 10]; a face's own stand for those that are not there."""
@@ -136,7 +145,7 @@ class Meetings:
     def kept(self, face, runs):
         """Without what is met aslant and far unless a continuous gap joins it to the rest."""
         near = OPEN * np.linalg.norm(slope(self.own[face][None], np.array([0.5])))
-        keep = [cos >= SLANTED or gap <= near for (p, a, b, gap) in runs for cos in [self.hit(face, 0.5 * (a + b), p)[1]]]
+        keep = [gap <= near or self.hit(face, 0.5 * (a + b), p)[1] >= SLANTED for p, a, b, gap in runs]
         for _ in runs:
             for i, j in [*zip(range(len(runs)), range(1, len(runs)))]:
                 if keep[i] == keep[j] or runs[j][1] - runs[i][2] > SHORTEST:
@@ -231,11 +240,23 @@ class Meetings:
             gap = np.einsum("ki,kpi->kp", n, y - x[:, None]) / size[:, None]
             cosine = cross(n[:, None], along) / (size[:, None] * np.linalg.norm(along, axis=2))
             fits = (r >= self.ranges[:, 0] - MISSED) & (r <= self.ranges[:, 1] + MISSED) & (cosine <= -GRAZING)
-            fits &= self.holds(gap)
+            fits &= self.holds(gap) & ~self.stands_out(r, gap, -cosine)
         away = np.where(fits, np.abs(gap), np.inf)
         best = away.argmin(axis=1)
         row = np.arange(len(s))
+        along = slope(self.own[face][None].repeat(len(s), axis=0), s)
+        meet = FOCUS * cross(n, along) + np.maximum(gap[row, best], 0.0) / size * cross(n, right(t1 - t0)[None])
+        away[row[meet < 0.0], best[meet < 0.0]] = np.inf
         return [(int(p), gap[k, p]) if away[k, p] < np.inf else (-1, np.inf) for k, p in zip(row, best)]
+
+    def stands_out(self, r, gap, cosine):
+        """Where lines beyond corners are met before the face across, which rays meet more squarely [k, p]."""
+        is_face = (r >= -MISSED) & (r <= 1.0 + MISSED)
+        found = np.zeros(r.shape, dtype=bool)
+        for end, beyond in enumerate((r < -MISSED, r > 1.0 + MISSED)):
+            behind = is_face[:, None] & (gap[:, None] > gap[..., None]) & (cosine[:, None] > cosine[..., None])
+            found |= beyond & (behind & self.turned[end]).any(axis=2)
+        return found
 
 
 def diagonal(points):
