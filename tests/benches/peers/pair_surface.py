@@ -26,11 +26,12 @@ class Pair:
         self.name, self.mesh = name, mesh
         self.is_rubber, self.revolved, self.points = options
         self.carrier, self.other = chain(mesh, sides[0], held), chain(mesh, sides[1])
+        self.last = None
         self.functions, around = functions(mesh, self.carrier)
         self.merge = given_away(mesh, self.carrier, (self.functions, around), held)
         self.multipliers = len(self.merge)
         self.unknowns = 2 * len(mesh.nodes)
-        _, self.areas = self.covered(mesh.nodes, Meetings(self.carrier, self.other, mesh.nodes).pieces)
+        _, self.areas = self.covered(mesh.nodes, self.meetings(mesh.nodes).pieces)
         nodes = np.array([node for node, _ in around])
         self.lending = Lending(self.merge, self.functions, mesh.nodes[nodes])
         self.held = held.reshape(-1, 2)[nodes[self.lending.own]]
@@ -46,7 +47,7 @@ class Pair:
         """Has functions lend that meet next to nothing at u; gives what multipliers carry on from `pressures`."""
         places = self.places(u)
         faces = np.arange(len(self.functions))
-        meetings = Meetings(self.carrier, self.other, places)
+        meetings = self.meetings(places)
         covered = np.zeros((len(faces), 3))
         np.add.at(covered, meetings.pieces.face, self.lengths(places, meetings.pieces.ends, meetings.pieces.face))
         whole = self.lengths(places, np.tile([0.0, 1.0], (len(faces), 1)), faces)
@@ -92,8 +93,14 @@ class Pair:
     def places(self, u):
         return self.mesh.nodes + u.reshape(-1, 2)
 
+    def meetings(self, places):
+        """Who meets whom there, kept for the same places."""
+        if self.last is None or not np.array_equal(self.last[0], places):
+            self.last = places.copy(), Meetings(self.carrier, self.other, places)
+        return self.last[1]
+
     def volume(self, places):
-        meetings = Meetings(self.carrier, self.other, places)
+        meetings = self.meetings(places)
         pieces = meetings.pieces
         nodes = meetings.nodes(pieces.face, pieces.other)
         kind = Volume if self.is_rubber else AtRest
@@ -114,7 +121,7 @@ class Pair:
     def covered_at(self, u):
         """The same where contact is measured: a linear body where it touches."""
         places = self.places(u if self.is_rubber else self.touch)
-        return self.covered(places, Meetings(self.carrier, self.other, places).pieces)
+        return self.covered(places, self.meetings(places).pieces)
 
     def linear(self, places):
         """Gaps and C = -dG/du at places."""
@@ -138,7 +145,7 @@ class Pair:
         return gaps, coupling, self.curvature(places, multipliers)
 
     def curvature(self, places, multipliers):
-        meetings = Meetings(self.carrier, self.other, places)
+        meetings = self.meetings(places)
         factors = (multipliers @ self.merge)[self.functions[meetings.pieces.face]]
         loaded = np.abs(factors).max(axis=1, initial=0.0) > 0.0
         if not loaded.any():
