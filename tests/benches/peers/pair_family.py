@@ -232,16 +232,21 @@ def main():
         row["covered"] = round(min([1.0, *covered(mine)]), 4)
         rows.append(row | {what: f"{value:.1e}" for what, value in worst.items()} | {"seconds": seconds})
         shutil.rmtree(scene.with_suffix(".out"), ignore_errors=True)
+        # After every scene: a run may be ended before its last one.
+        keep(given, rows)
         if verdict not in ("agree", "verified", "undecided"):
             print(*rows[-1].values(), flush=True)
-    report(given, rows)
+    report(rows)
 
 
-def report(given, rows):
+def keep(given, rows):
     with open(Path(given.out) / "family.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, rows[0])
         writer.writeheader()
         writer.writerows(rows)
+
+
+def report(rows):
     counts, worst = defaultdict(Counter), defaultdict(float)
     for row in rows:
         counts[row["kind"]][row["verdict"]] += 1
