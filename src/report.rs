@@ -195,9 +195,9 @@ pub struct ContactInterval {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BodyContactResult {
     /// Force on the body of the group that the scene names first `[3]`; the other one has the
-    /// opposite force.
+    /// opposite force. About an axis of the full turn, radial forces summed along x.
     pub force: [f64; 3],
-    /// Its moment about the origin `[3]`.
+    /// Its moment about the origin `[3]`; zero about an axis.
     pub moment: [f64; 3],
     /// Area of the deformed surface in contact, per unit thickness in the plane; zero without
     /// contact.

@@ -119,6 +119,6 @@ fn forces_of_parts<'p>(
     }
     match sides.pair.section {
         Section::Plane => sum,
-        Section::AboutAxis => sum.along_axis(),
+        Section::AboutAxis => sum.about_axis(),
     }
 }

@@ -81,12 +81,12 @@ impl PairForce {
         }
     }
 
-    /// The part along the axis of a body of revolution, which bears the rest itself.
-    pub(super) fn along_axis(self) -> Self {
+    /// The same of a body of revolution: radial forces are summed over the full turn, moments cancel.
+    pub(super) fn about_axis(self) -> Self {
         Self {
-            on_carrier: [0.0, self.on_carrier[1], 0.0],
-            on_other: [0.0, self.on_other[1], 0.0],
-            ..Self::default()
+            moment: [0.0; 3],
+            other_moment: [0.0; 3],
+            ..self
         }
     }
 }
@@ -253,7 +253,7 @@ impl PairSurface {
             sum.add(body, (node, *force), others.contains(&node));
         }
         match &self.sides {
-            Sides::Plane(plane) if plane.pair.section == Section::AboutAxis => sum.along_axis(),
+            Sides::Plane(plane) if plane.pair.section == Section::AboutAxis => sum.about_axis(),
             Sides::Plane(_) | Sides::Space(_) => sum,
         }
     }

@@ -46,9 +46,9 @@ fn one(model: &Model<'_>, state: &State, (tie, own): (&PlannedTie, &[&Interface]
         };
         sums = [add(sums[0], found[0]), add(sums[1], found[1])];
     }
-    let [mut force, mut moment] = sums;
+    let [force, mut moment] = sums;
     if model.plan.is_axisymmetric() {
-        (force, moment) = ([0.0, force[1], 0.0], [0.0; 3]);
+        moment = [0.0; 3];
     }
     let (peak, place) = peak(model, state, (tie, own));
     let gap = tie.seam.gap.map_or(0.0, |gap| gap.width);

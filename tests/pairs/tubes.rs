@@ -76,6 +76,9 @@ fn tubes_of_rubber_shrink_onto_each_other_by_the_closed_solution() {
             assert!(radius > 1.0 && radius < skin, "{radius}");
             let axial = pair.force[1];
             assert!(axial.abs() < 1e-4 * found, "{axial}");
+            let inwards = if carrier[0] == "a_x1" { -1.0 } else { 1.0 };
+            let radial = pair.force[0] / (inwards * found * pair.contact_area);
+            assert!((radial - 1.0).abs() < 1e-6, "{carrier:?} {radial}");
         }
     }
 }
