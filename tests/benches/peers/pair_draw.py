@@ -2,9 +2,9 @@
 
 Kinds: flat blocks, wavy and tilted interfaces, blocks with a corner in the contact, rings in rings (shrink fits, and
 pushed aside), rollers on blocks and on each other, closed boxes, stacks of three with a floating one, blocks under a
-traction or a tool that contact alone holds, bushes on shafts about an axis. Moduli 1:1 to 1:1e6 either way, Poisson
-ratios .3, .49 and .5, rubber, meshes finer and coarser, either side carrying where neither is much stiffer; a press,
-then mostly a slide or a pull back.
+traction or a tool that contact alone holds, bushes on shafts about an axis; apart, tips led through a gap. Moduli 1:1
+to 1:1e6 either way, Poisson ratios .3, .49 and .5, rubber, meshes finer and coarser, either side carrying where neither
+is much stiffer; a press, then mostly a slide or a pull back.
 """
 import math
 from dataclasses import dataclass, field
@@ -278,9 +278,27 @@ def tool(it):
     it.travel = -it.between(0.005, 0.06)
 
 
+def wedge(it):
+    """A tip, sharp or with a flat end, led through a gap into a block; its flanks turn by more than 30 degrees."""
+    gap, steep, width = it.between(0.0, 0.1), it.between(0.6, 1.5), it.between(0.4, 0.9)
+    columns = it.count(3, 8)
+    half = 0.5 * width / columns * (columns % 2)
+
+    def above(s, t):
+        low = gap + steep * np.maximum(np.abs(width * (s - 0.5)) - half, 0.0)
+        return low + t * (gap + steep * width - low)
+
+    it.add("lower", (it.count(4, 14), it.count(2, 6)), lambda s, t: (2.4 * s - 1.2, t - 1.0))
+    it.add("upper", (columns, it.count(2, 4)), lambda s, t: (width * (s - 0.5), above(s, t)))
+    ends(it)
+    it.steps = [{"head": {"x": it.between(-0.03, 0.03), "y": -gap - it.between(0.01, 0.08)}}]
+
+
 KINDS = {kind.__name__: kind for kind in (
     flat, tilted, wavy, corner, box, rings, journal, roller, rollers, stack, floating, bush, tool,
 )}
+# Kinds that are drawn when named alone: families of before keep their scenes.
+APART = {kind.__name__: kind for kind in (wedge,)}
 
 
 # Bodies that begin inside each other, which `pair_friction` does not push apart, and tools beside.
@@ -294,7 +312,7 @@ def scene(seed, index, only=None, rough=False):
     random = np.random.default_rng([seed, index])
     kind = only or str(random.choice([kind for kind in KINDS if not (rough and kind in TIGHT)]))
     it = Draft(random, kind)
-    KINDS[kind](it)
+    (KINDS | APART)[kind](it)
     materials(it)
     it.curved = kind in ROUND and bool(it.random.random() < 0.5)
     if rough:

@@ -213,7 +213,7 @@ def main():
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--out", required=True)
     parser.add_argument("--binary", required=True)
-    parser.add_argument("--only", choices=list(pair_draw.KINDS))
+    parser.add_argument("--only", choices=[*pair_draw.KINDS, *pair_draw.APART])
     parser.add_argument("--rough", action="store_true", help="Coulomb's or Tresca's friction in every contact")
     parser.add_argument("--check", action="store_true", help="put its states into the equations, solve nothing")
     parser.add_argument("--near", type=float, default=1e-6)
