@@ -4,6 +4,7 @@
 
 pub(crate) mod curved;
 pub(crate) mod meshes;
+pub(crate) mod prisms;
 pub(crate) mod refusals;
 pub(crate) mod rounded;
 pub(crate) mod scene_files;

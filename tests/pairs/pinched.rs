@@ -16,12 +16,11 @@ const OPEN: f64 = 0.1;
 /// Radii of the ring.
 const RADII: [f64; 2] = [0.7, 1.0];
 /// Cells along half the ring, and across.
-const CELLS: [usize; 2] = [24, 4];
+pub(crate) const CELLS: [usize; 2] = [24, 4];
 
 /// The upper half of the ring, groups `pad` the lip, `cut` the plane of symmetry, `bore`, `skin` and
 /// `grip` the part of the skin beside the lip.
-fn half() -> MeshParts {
-    let [along, across] = CELLS;
+pub(crate) fn half([along, across]: [usize; 2]) -> MeshParts {
     let parts = unit_grid(along, across);
     let bent = |[s, t, z]: [f64; 3]| {
         let radius = RADII[1] + t * (RADII[0] - RADII[1]);
@@ -46,8 +45,8 @@ fn half() -> MeshParts {
 }
 
 /// The whole ring: the upper half and its mirror image, one body; `surface` all of it.
-fn whole() -> MeshParts {
-    let upper = half();
+pub(crate) fn whole(cells: [usize; 2]) -> MeshParts {
+    let upper = half(cells);
     let mut lower = moved(upper.clone(), |[x, y, z]| [x, -y, z]);
     lower.cells.chunks_mut(3).for_each(|cell| cell.swap(1, 2));
     let parts = glued(joined(&[("up_", upper), ("low_", lower)]));
@@ -103,7 +102,7 @@ fn whole_ring(contacts: Vec<ContactPair>, way: f64) -> StepReport {
         contacts,
         ..rubber([("up_body", 1.0), ("low_body", 1.0)], Some(50.0))
     };
-    pinched(&scene, whole(), way)
+    pinched(&scene, whole(CELLS), way)
 }
 
 fn half_ring(way: f64) -> StepReport {
@@ -119,7 +118,7 @@ fn half_ring(way: f64) -> StepReport {
         obstacles: ["pad", "bore"].map(floor).into(),
         ..rubber([("up_body", 1.0)], Some(50.0))
     };
-    pinched(&scene, joined(&[("up_", half())]), way)
+    pinched(&scene, joined(&[("up_", half(CELLS))]), way)
 }
 
 #[test]
