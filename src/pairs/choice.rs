@@ -27,7 +27,7 @@ pub(super) const WIDE: f64 = 2.0;
 const OPEN: f64 = 0.1;
 /// Cosine between a ray and the normal of what it meets below which that is met aslant, without unit; chosen, above
 /// the .45 at which the contact of a round tip half inside a block ends.
-const ASLANT: f64 = 0.5;
+pub(super) const ASLANT: f64 = 0.5;
 /// Share of the way to where neighbouring rays meet up to which they count, without unit; chosen: at
 /// the whole of it what they sweep is zero.
 pub(super) const SIDE_BY_SIDE: f64 = 0.5;

@@ -28,9 +28,9 @@ use crate::space::TaylorHood;
 /// Where the wall behind a face is measured.
 const MEASURED_AT: [f64; 2] = [0.25, 0.75];
 /// Share of a wall to which rays look inwards.
-const INWARDS: f64 = 0.5;
+pub(super) const INWARDS: f64 = 0.5;
 /// Share of a face from which on a ray inwards has left its own face.
-const OFF: f64 = 1e-6;
+pub(super) const OFF: f64 = 1e-6;
 
 /// Whom a surface meets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

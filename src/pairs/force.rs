@@ -13,7 +13,8 @@ use super::pair::Placed;
 use super::piece::{INPUTS, NODES, OTHER, Section};
 use super::plane::PlaneSides;
 use super::slip::Sliding;
-use super::surface::{PairForce, PairSurface};
+use super::space::SpaceSides;
+use super::surface::{PairForce, PairSurface, Sides};
 use crate::contact::{ContactSurface, Deformed};
 
 /// What functions of a face move of the nodes of a piece.
@@ -30,6 +31,16 @@ impl PairSurface {
         body: &Deformed<'_>,
         (surface, pressures): (&ContactSurface, &[f64]),
     ) -> PairForce {
+        if let Some(sides) = self.folded_in_space() {
+            let pressures = surface.shares.spread(pressures);
+            return match self.at_rest {
+                None => sides.forces(body, &pressures),
+                Some(_) => {
+                    let still = vec![0.0; body.displacement.len()];
+                    sides.forces_at_rest([body, &body.displaced(&still)], &pressures)
+                }
+            };
+        }
         let Some(sides) = self.folded() else {
             let free = vec![false; body.space.displacement_unknowns()];
             let rows = self.linearise(body, surface, &free).rows;
@@ -76,9 +87,17 @@ impl PairSurface {
         forces_of_parts(sides, (body, parts), &coefficients)
     }
 
-    /// Both sides where they are of one body.
+    /// Both sides in the plane or about an axis where they are of one body.
     fn folded(&self) -> Option<&PlaneSides> {
         self.plane().filter(|sides| sides.pair.fold.is_some())
+    }
+
+    /// The same in space.
+    fn folded_in_space(&self) -> Option<&SpaceSides> {
+        match &self.sides {
+            Sides::Space(sides) if sides.pair.fold.is_some() => Some(sides),
+            Sides::Space(_) | Sides::Plane(_) => None,
+        }
     }
 
     /// What `task` makes of the surfaces where their gaps are taken: of a linear body at rest.

@@ -20,7 +20,7 @@ use crate::space::TaylorHood;
 
 /// Lengths that differ by less of the extent of the mesh are equal: in a mesh and its mirror image they
 /// differ by rounding; without unit, chosen.
-const ALIKE: f64 = 1e-6;
+pub(super) const ALIKE: f64 = 1e-6;
 
 /// Place of each face in the order `[faces]`.
 pub(super) fn ranks(mesh: &Mesh, space: &TaylorHood, chain: &Chain) -> Vec<usize> {

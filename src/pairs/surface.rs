@@ -110,7 +110,7 @@ impl PairSurface {
         let held = carriers.map(|node| node.map_or([false; 3], held)).collect();
         let sides = match ground.space.components {
             2 => Sides::Plane(PlaneSides::new(ground, (facets, meets), (surface, section))),
-            _ => Sides::Space(SpaceSides::new(ground, facets, surface)),
+            _ => Sides::Space(SpaceSides::new(ground, (facets, meets), surface)),
         };
         Self {
             sides,
@@ -159,7 +159,7 @@ impl PairSurface {
     pub(super) fn is_folded(&self) -> bool {
         match &self.sides {
             Sides::Plane(plane) => plane.pair.fold.is_some(),
-            Sides::Space(_) => false,
+            Sides::Space(space) => space.pair.fold.is_some(),
         }
     }
 

@@ -19,7 +19,7 @@ use super::pairs::PlannedPair;
 use super::ties::PlannedTie;
 use crate::contact::layout::Layout;
 use crate::mesh::Mesh;
-use crate::pairs::{Meets, creases};
+use crate::pairs::{self, Meets, creases};
 use crate::scene::ContactSpace;
 use crate::scene::validate::{Resolved, ResolvedObstacle};
 use crate::space::TaylorHood;
@@ -114,11 +114,13 @@ impl Surfaces {
 /// The layout of the carrier of a contact between bodies, its multipliers from `next` on.
 fn of_pair(body: Body<'_>, pair: &PlannedPair, next: &mut usize) -> ContactLayout {
     let sides = [&pair.carrier[..], &pair.other[..]];
+    let components = body.space.components as u32;
     let creases = match pair.meets {
         Meets::AnotherBody => BTreeSet::new(),
-        Meets::ItsBody | Meets::Itself => creases(body.mesh, sides),
+        Meets::ItsBody | Meets::Itself if components == 2 => creases(body.mesh, sides),
+        Meets::ItsBody | Meets::Itself => pairs::space::creases((body.mesh, body.space), sides),
     };
-    let is_held = |unknown: u32| body.holds(unknown) || creases.contains(&(unknown / 2));
+    let is_held = |unknown: u32| body.holds(unknown) || creases.contains(&(unknown / components));
     let layout = Layout::by_sides(body.mesh, body.space, &pair.carrier, &is_held);
     let first = *next as u32;
     *next += layout.shares.multipliers();

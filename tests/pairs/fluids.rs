@@ -17,7 +17,7 @@ use signorini::{Cause, FieldName, Mesh, MeshParts, Scene, Step, StepReport, Term
 /// Load on the lid.
 const LOAD: f64 = 0.5;
 
-pub(super) fn fluid(on: &[&str], from: &[&str], dry: &[&str]) -> Fluid {
+pub(crate) fn fluid(on: &[&str], from: &[&str], dry: &[&str]) -> Fluid {
     let names = |all: &[&str]| all.iter().map(|name| (*name).to_owned()).collect();
     Fluid {
         name: "water".to_owned(),

@@ -100,18 +100,18 @@ fn a_slit_that_folds_is_as_an_independent_code_has_it() {
 }
 
 /// A block with a slit like a lens.
-fn slit() -> Arc<Mesh> {
+pub(crate) fn lens() -> MeshParts {
     let parts = file_parts("slit_12_9");
     let middle = |[x, ..]: [f64; 3]| x.abs() < 0.06;
     let parts = with_pad(parts, ("top_pin", "top"), |[x, ..]| {
         (-1e-9..0.11).contains(&x)
     });
     let parts = with_pad(parts, ("bot_pin", "bot"), middle);
-    let parts = with_union(parts, "slit", &["low", "up"]);
-    mesh(parts)
+    with_union(parts, "slit", &["low", "up"])
 }
 
-fn closed(contacts: Vec<ContactPair>, increments: u32) -> StepReport {
+/// Its scene, held at top and bottom.
+pub(crate) fn lens_scene(contacts: Vec<ContactPair>) -> Scene {
     let law = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
     let mut scene = Scene {
         supports: vec![
@@ -125,11 +125,15 @@ fn closed(contacts: Vec<ContactPair>, increments: u32) -> StepReport {
     };
     scene.materials[0].group = "block".to_owned();
     scene.solver.tolerance = 1e-10;
+    scene
+}
+
+fn closed(contacts: Vec<ContactPair>, increments: u32) -> StepReport {
     let step = Step {
         increments,
         ..together(["top", "bot"], 0.1)
     };
-    let mut reports = solve(&scene, &[step], &slit());
+    let mut reports = solve(&lens_scene(contacts), &[step], &mesh(lens()));
     reports.pop().expect("a report")
 }
 

@@ -17,7 +17,7 @@ fn scattered(k: usize) -> f64 {
 
 /// A slit in a square of side two about the origin.
 #[derive(Clone, Copy, Debug)]
-struct Slit {
+pub(crate) struct Slit {
     /// Half its length.
     half: f64,
     /// Half its opening in the middle.
@@ -30,7 +30,7 @@ struct Slit {
 }
 
 impl Slit {
-    fn some(number: usize) -> Self {
+    pub(crate) fn some(number: usize) -> Self {
         let at = |k: usize| scattered(7 * number + k);
         Self {
             half: 0.4 + 0.3 * at(0),
@@ -77,7 +77,7 @@ impl Slit {
         parts
     }
 
-    fn parts(&self) -> MeshParts {
+    pub(crate) fn parts(&self) -> MeshParts {
         let [lower, upper] = self.across;
         let halves = [
             ("low_", self.half(-1.0, lower)),
@@ -86,8 +86,8 @@ impl Slit {
         with_union(glued(joined(&halves)), "slit", &["low_lip", "up_lip"])
     }
 
-    /// Pressed by `way` from above and from below.
-    fn pressed(&self, contacts: Vec<ContactPair>, way: f64) -> StepReport {
+    /// Its scene, held above and below.
+    pub(crate) fn scene(contacts: Vec<ContactPair>) -> Scene {
         let mut scene = Scene {
             supports: vec![
                 support("up_y1", HELD_IN_PLANE),
@@ -97,6 +97,12 @@ impl Slit {
             ..rubber([("up_body", 1.0), ("low_body", 1.0)], Some(10.0))
         };
         scene.solver.tolerance = 1e-10;
+        scene
+    }
+
+    /// Pressed by `way` from above and from below.
+    fn pressed(&self, contacts: Vec<ContactPair>, way: f64) -> StepReport {
+        let scene = Self::scene(contacts);
         let step = Step {
             increments: 3,
             ..together(["up_y1", "low_y1"], way)

@@ -31,6 +31,12 @@
 //! | `slips` | how far a face has slid, and what tractions do |
 //! | `frames` | tangents of functions |
 //! | [`pair`] | gaps of two surfaces, where they are |
+//! | `fold` | who may meet whom on one body |
+//! | `order` | which face of a surface that meets itself carries |
+//! | `shell` | what a ray meets first at rest |
+//! | `creases` | edges that close |
+//! | `depth`, `still` | how deep rays look; faces at rest |
+//! | `forces` | forces on both surfaces of one body |
 //! | [`sides`] | both sides of a contact |
 //! | `sums` | gaps, coupling and curvature by unknowns |
 //! | `sliding` | slips and what tractions do by multipliers |
@@ -39,9 +45,14 @@
 mod bends;
 mod beyond;
 pub mod choice;
+mod creases;
+mod depth;
+mod fold;
+mod forces;
 pub(super) mod frames;
 mod kinks;
 pub mod normals;
+mod order;
 pub mod outline;
 pub mod pair;
 pub mod patch;
@@ -50,12 +61,16 @@ pub mod probing;
 pub mod rays;
 mod rim_slips;
 mod rims;
+mod shell;
 pub mod sides;
 pub mod skin;
 pub(super) mod sliding;
 mod slips;
+mod still;
 pub(super) mod sums;
 
+pub use creases::creases;
+pub use fold::SpaceFold;
 pub use pair::{Meeting, Pair, Placed};
 pub use sides::SpaceSides;
 pub use skin::Skin;

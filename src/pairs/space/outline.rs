@@ -122,8 +122,22 @@ impl Partner {
         sides
     }
 
-    /// The outline as rays of `face` see it, counterclockwise.
+    /// The same without what it goes on by.
+    pub fn closed(&self) -> Self {
+        Self {
+            rims: [false; 3],
+            beyond: [[0.0; 3]; 3],
+            ..*self
+        }
+    }
+
+    /// The outline as rays of `face` see it, counterclockwise where both look at each other.
     pub fn outline(&self, face: &Rayed) -> Polygon {
+        reversed(&self.outline_from_behind(face))
+    }
+
+    /// The same, counterclockwise where it turns its back on the face.
+    pub fn outline_from_behind(&self, face: &Rayed) -> Polygon {
         let mut polygon = Polygon::with_capacity(12);
         for side in self.sides() {
             let place = |s: f64| face.below(self.on(side, s));
@@ -137,17 +151,7 @@ impl Partner {
             };
             traced.arcs(([0.0, 1.0], ends), HALVINGS, &mut polygon);
         }
-        // The faces look at each other.
-        let count = polygon.len();
-        let corner = |k: usize| {
-            let before = polygon[(k + count - 1) % count];
-            Corner {
-                at: polygon[k].at,
-                bulge: before.bulge,
-                rim: before.rim.map(Rim::reversed),
-            }
-        };
-        (0..count).rev().map(corner).collect()
+        polygon
     }
 
     fn spot(&self, spot: Spot) -> [f64; 3] {
@@ -170,6 +174,20 @@ impl Partner {
             }
         }
     }
+}
+
+/// A polygon the other way round.
+fn reversed(polygon: &Polygon) -> Polygon {
+    let count = polygon.len();
+    let corner = |k: usize| {
+        let before = polygon[(k + count - 1) % count];
+        Corner {
+            at: polygon[k].at,
+            bulge: before.bulge,
+            rim: before.rim.map(Rim::reversed),
+        }
+    };
+    (0..count).rev().map(corner).collect()
 }
 
 /// A point of the parabola from `a` to `b`.

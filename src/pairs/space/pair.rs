@@ -4,16 +4,18 @@
 //! corners and edges. Cost, in one thread: some 50 us a face to find its pieces, 0.2 us a point for
 //! values.
 
-use super::choice::{Candidate, Piece, pieces};
+use super::choice::{Candidate, Piece, Reach, pieces};
+use super::depth::Depth;
+use super::fold::SpaceFold;
 use super::normals::{Normal, normals};
 use super::outline::{Partner, straight, wedges};
-use super::patch::{At, NODES, Patch, bernstein};
+use super::patch::{At, NODES, Patch, PlaceOf, bernstein};
 use super::point::{Point, VECTORS};
 use super::rays::Rayed;
 use super::skin::Skin;
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::geometry::vector3::{add, cross, dot, norm, scale, sub};
-use crate::pairs::choice::WIDE;
+use crate::pairs::choice::{ASLANT, Role, WIDE};
 use crate::pairs::pair::REACH;
 use crate::pairs::tree::{Bounds, BoxTree};
 use crate::parallel;
@@ -23,9 +25,6 @@ const DEGREE: u32 = 8;
 /// Fewer faces are not worth a second thread.
 const FEW: usize = 4;
 
-/// Where nodes are: of a vertex its place, of an edge that of its middle less the mean of its ends.
-pub type PlaceOf<'a> = dyn Fn(u32) -> [f64; 3] + Sync + 'a;
-
 /// Two surfaces in space that may touch.
 #[derive(Clone, Debug)]
 pub struct Pair {
@@ -33,6 +32,8 @@ pub struct Pair {
     pub carrier: Skin,
     /// The other one.
     pub other: Skin,
+    /// Who may meet whom, of surfaces of one body.
+    pub fold: Option<SpaceFold>,
 }
 
 /// The pieces of a face.
@@ -93,7 +94,16 @@ impl Pair {
         let found = parallel::map(own.len(), FEW, &|face| {
             let swept = Swept::of(&own[face], WIDE * reach);
             let near = tree.meeting_where(&|bounds| swept.meets(bounds));
-            let near = near.iter().map(|&k| candidates[k as usize]);
+            let near = near.iter();
+            let near = near.filter_map(|&k| self.seen((face, &own[face]), candidates[k as usize]));
+            let inside = match &self.fold {
+                Some(fold) => fold.inside((face, &patches[face]), place, reach),
+                None => Depth::even(reach),
+            };
+            let reach = Reach {
+                open: reach,
+                inside,
+            };
             pieces(&own[face], &near.collect::<Vec<_>>(), reach)
         });
         let meetings = found.into_iter().enumerate();
@@ -128,8 +138,32 @@ impl Pair {
                     }),
                 },
                 normals: face.normals,
+                role: Role::Apart,
+                is_wall: false,
             };
         faces.map(candidate).collect()
+    }
+
+    /// A face of the other surface as a face of the carrier sees it; nothing where it does not.
+    fn seen(&self, (face, own): (usize, &Rayed), candidate: Candidate) -> Option<Candidate> {
+        let Some(fold) = &self.fold else {
+            return Some(candidate);
+        };
+        let role = fold.role([&self.carrier, &self.other], [face, candidate.number])?;
+        // What goes on beyond a corner stands out of the body: rays along the other side of the corner, and of
+        // what touches that, would meet it.
+        let is_square = || is_met_squarely(own, &candidate.partner);
+        let partner = if role == Role::Meets && is_square() {
+            fold.outside(candidate.number, candidate.partner)
+        } else {
+            candidate.partner.closed()
+        };
+        Some(Candidate {
+            role,
+            is_wall: fold.is_wall(face, &self.other.faces[candidate.number]),
+            partner,
+            ..candidate
+        })
     }
 }
 
@@ -272,6 +306,13 @@ impl Placed<'_> {
             sums
         })
     }
+}
+
+/// Whether the mean ray of a face meets a partner by a cosine of at least `ASLANT`.
+fn is_met_squarely(face: &Rayed, partner: &Partner) -> bool {
+    let centre = [1.0 / 3.0; 2];
+    let [ray, other] = [face.normal(centre), partner.patch.area_vector(centre)];
+    dot(ray, other) <= -ASLANT * norm(ray) * norm(other)
 }
 
 /// Bounds of a face, and of what it goes on by.

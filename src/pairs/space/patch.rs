@@ -17,6 +17,9 @@ pub const EDGES: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];
 /// Place on a face: l_1 and l_2.
 pub type At = [f64; 2];
 
+/// Where nodes are: of a vertex its place, of an edge that of its middle less the mean of its ends.
+pub type PlaceOf<'a> = dyn Fn(u32) -> [f64; 3] + Sync + 'a;
+
 /// A face where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {

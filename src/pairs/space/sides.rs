@@ -3,6 +3,7 @@
 //! Shapes: of each face of the carrier the functions of its corners and edges, in the order that turns
 //! its normal out of the body. Cost: see [`super::pair`].
 
+use super::fold::SpaceFold;
 use super::frames::{Tangents, tangents};
 use super::pair::{Pair, Placed};
 use super::patch::NODES;
@@ -10,6 +11,7 @@ use super::probing::Probing;
 use super::skin::Skin;
 use super::sums::SpaceGaps;
 use crate::contact::{ContactSurface, Deformed};
+use crate::pairs::fold::Meets;
 use crate::pairs::ground::Ground;
 
 /// Two surfaces and the functions of the first one.
@@ -23,16 +25,19 @@ pub struct SpaceSides {
 }
 
 impl SpaceSides {
-    /// Of the facets `carrier`, those of `surface` in their order, and `other`.
+    /// Of the facets `carrier`, those of `surface` in their order, and `other`, which it `meets`.
     pub(in crate::pairs) fn new(
         ground: Ground<'_>,
-        [carrier, other]: [&[u32]; 2],
+        ([carrier, other], meets): ([&[u32]; 2], Meets),
         surface: &ContactSurface,
     ) -> Self {
         let Ground { mesh, space, .. } = ground;
+        let carrier = Skin::new(mesh, space, carrier).between_walls(mesh, ground.is_held);
+        let other = Skin::new(mesh, space, other);
         let pair = Pair {
-            carrier: Skin::new(mesh, space, carrier).between_walls(mesh, ground.is_held),
-            other: Skin::new(mesh, space, other),
+            fold: SpaceFold::new((mesh, space), [&carrier, &other], meets),
+            carrier,
+            other,
         };
         let faces = pair.carrier.faces.iter().zip(&surface.faces);
         let functions = faces.map(|(face, own)| {
@@ -59,7 +64,13 @@ impl SpaceSides {
         &self.tangents[function as usize]
     }
 
-    fn placed(&self, body: &Deformed<'_>) -> Placed<'_> {
+    /// Functions of a face of the carrier.
+    pub(super) fn functions_of(&self, face: usize) -> [u32; NODES] {
+        self.functions[face]
+    }
+
+    /// The surfaces where `body` has them.
+    pub(super) fn placed(&self, body: &Deformed<'_>) -> Placed<'_> {
         let place = |node: u32| body.place(node as usize);
         self.pair.placed(&place)
     }

@@ -4,11 +4,11 @@
 use std::collections::BTreeMap;
 
 use super::bends::parts_of;
-use super::choice::{Candidate, pieces};
+use super::choice::{Candidate, Reach, pieces};
+use super::depth::Depth;
 use super::normals::{FanAt, normals};
 use super::outline::whole;
-use super::pair::PlaceOf;
-use super::patch::{At, NODES, Patch};
+use super::patch::{At, NODES, Patch, PlaceOf};
 use super::point::{Block, Point, VECTORS, completed};
 use super::rays::{Ray, Rayed, hit};
 use super::skin::SkinFace;
@@ -18,6 +18,7 @@ use crate::element::quadrature::{Simplex, rule};
 use crate::geometry::vector3::{add, cross, dot, norm, scale};
 use crate::pairs::between::Gaps;
 
+mod folds;
 mod rims;
 mod slips;
 
@@ -213,7 +214,11 @@ fn balls(ball: i32, shell: i32) -> Bodies {
     carrier.join(&at);
     other.join(&at);
     Bodies {
-        pair: Pair { carrier, other },
+        pair: Pair {
+            carrier,
+            other,
+            fold: None,
+        },
         places,
     }
 }
@@ -382,8 +387,12 @@ fn a_tree_of_faces_finds_what_a_look_at_all_of_them_finds() {
     let place: &PlaceOf<'_> = &|node: u32| bodies.places[node as usize];
     let placed = bodies.pair.placed(place);
     let all: Vec<Candidate> = bodies.pair.candidates(&placed.others);
+    let reach = Reach {
+        open: placed.reach,
+        inside: Depth::even(placed.reach),
+    };
     for (face, own) in placed.own.iter().enumerate() {
-        let found = pieces(own, &all, placed.reach);
+        let found = pieces(own, &all, reach);
         let mut meetings = placed.meetings.iter();
         let meeting = meetings.find(|meeting| meeting.face == face);
         let by_tree = meeting.map_or(&[][..], |meeting| &meeting.pieces);

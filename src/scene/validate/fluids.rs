@@ -156,7 +156,12 @@ fn surfaces(mesh: &Mesh, facets: [&[u32]; 3], path: &str, faults: &mut Faults) {
 }
 
 /// Between two bodies a fluid presses on both, so that it has to be able to reach both.
-pub(super) fn check_beside(fluids: &[ResolvedFluid], pairs: &[ResolvedPair], faults: &mut Faults) {
+pub(super) fn check_beside(
+    mesh: &Mesh,
+    (fluids, pairs): (&[ResolvedFluid], &[ResolvedPair]),
+    faults: &mut Faults,
+) {
+    let is_in_space = mesh.cell_kind().dimension() == 3;
     for fluid in fluids {
         let reaches = |side: &Vec<u32>| {
             let mut facets = side.iter();
@@ -168,7 +173,7 @@ pub(super) fn check_beside(fluids: &[ResolvedFluid], pairs: &[ResolvedPair], fau
         for (pair, sides) in sides {
             match sides {
                 [false, false] => {}
-                [true, true] => refuse_between(fluid, pair, faults),
+                [true, true] => refuse_between(fluid, (pair, is_in_space), faults),
                 [true, false] | [false, true] => {
                     let message = format!(
                         "has facets of one surface of contact `{}` alone: between two bodies a fluid presses on both, name the other one, too",
@@ -182,12 +187,23 @@ pub(super) fn check_beside(fluids: &[ResolvedFluid], pairs: &[ResolvedPair], fau
 }
 
 /// Refuses what is not solved of a fluid that reaches a contact between bodies.
-fn refuse_between(fluid: &ResolvedFluid, pair: &ResolvedPair, faults: &mut Faults) {
+fn refuse_between(
+    fluid: &ResolvedFluid,
+    (pair, is_in_space): (&ResolvedPair, bool),
+    faults: &mut Faults,
+) {
     let ResolvedPair { name, meets, .. } = pair;
-    if *meets == Meets::Itself {
-        let message = format!(
-            "a fluid in contact `{name}` of a surface with itself is not solved yet, between two surfaces it is"
-        );
+    let reason = match meets {
+        Meets::Itself => {
+            Some("of a surface with itself is not solved yet, between two surfaces it is")
+        }
+        Meets::ItsBody if is_in_space => {
+            Some("of one body with itself in space is not solved yet, between two bodies it is")
+        }
+        Meets::AnotherBody | Meets::ItsBody => None,
+    };
+    if let Some(reason) = reason {
+        let message = format!("a fluid in contact `{name}` {reason}");
         faults.unsupported(format!("fluid.{}.on", fluid.name), message);
     }
     if fluid.viscosity.is_some() {

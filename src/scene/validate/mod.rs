@@ -177,7 +177,7 @@ pub(crate) fn resolve<'a>(
     let fluids = fluids::resolve(scene, mesh, &mut faults);
     let obstacles = obstacles::resolve(scene, mesh, &mut faults);
     let pairs = pairs::resolve(scene, (kind, mesh), &mut faults);
-    fluids::check_beside(&fluids, &pairs, &mut faults);
+    fluids::check_beside(mesh, (&fluids, &pairs), &mut faults);
     let others = ties::Others::of(&obstacles, &pairs, &fluids);
     let ties = ties::resolve(scene, mesh, others, &mut faults);
     obstacles::refuse_held_faces(mesh, &supports, &obstacles, &mut faults);

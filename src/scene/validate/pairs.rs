@@ -123,10 +123,6 @@ fn one(
         refuse_common(&sides, between, faults);
         Meets::ItsBody
     };
-    if meets != Meets::AnotherBody && mesh.cell_kind().dimension() == 3 {
-        let message = "contact of a body with itself in space is not solved yet, in the plane and about an axis it is";
-        faults.unsupported(format!("{path}.between"), message);
-    }
     let named = contact.carries.as_ref().and_then(|carries| {
         if meets == Meets::Itself {
             let message = "stands beside `self`: the order along the surface says which part carries; name them as two groups to say which";
@@ -142,6 +138,9 @@ fn one(
         side
     });
     check_friction((contact.friction, contact.tresca), &path, faults);
+    if meets != Meets::AnotherBody && mesh.cell_kind().dimension() == 3 {
+        refuse_rubbing(contact, &path, faults);
+    }
     ResolvedPair {
         name: contact.name.clone(),
         sides,
@@ -168,4 +167,16 @@ pub(super) fn bodies(mesh: &Mesh, of_vertex: &[u32], facets: &[u32]) -> BTreeSet
     let corners = facets.iter().map(|&facet| mesh.facet(facet as usize));
     let first = corners.filter_map(|corners| corners.first());
     first.map(|&vertex| of_vertex[vertex as usize]).collect()
+}
+
+/// Refuses friction of a body on itself in space.
+fn refuse_rubbing(contact: &ContactPair, path: &str, faults: &mut Faults) {
+    let keys = [
+        ("friction", contact.friction > 0.0),
+        ("tresca", contact.tresca.is_some()),
+    ];
+    for (key, _) in keys.into_iter().filter(|(_, is_asked)| *is_asked) {
+        let message = "friction of a body on itself in space is not solved yet, without it is";
+        faults.unsupported(format!("{path}.{key}"), message);
+    }
 }

@@ -2,7 +2,9 @@
 
 mod balls;
 mod boxes;
+mod clamps;
 mod edges;
+mod folds;
 mod friction;
 mod mirrors;
 mod patches;

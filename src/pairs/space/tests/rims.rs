@@ -60,7 +60,11 @@ pub(super) fn plates(open: f64, rough: f64) -> Bodies {
     let carrier = plate((3, 1.0), ([0.0; 3], 1.0), rough, &mut places);
     let other = plate((2, -1.0), ([0.27, 0.31, open], 0.4), rough, &mut places);
     Bodies {
-        pair: Pair { carrier, other },
+        pair: Pair {
+            carrier,
+            other,
+            fold: None,
+        },
         places,
     }
 }
