@@ -35,6 +35,8 @@ pub(crate) struct ContactSizes {
     pub(crate) multipliers: u64,
     /// Number of vertices of candidate faces, each once.
     pub(crate) vertices: u64,
+    /// Whether some multipliers have no bound: of supports along normals and of ties.
+    pub(crate) has_guides: bool,
     /// Whether only one level serves: rigid modes that only contact holds, guides or friction.
     pub(crate) needs_one_level: bool,
     /// Whether tractions of friction are among the multipliers.
@@ -96,6 +98,9 @@ pub(crate) fn choose(
     let asked_metric = options.contact_metric.named();
     if sizes.is_frictional {
         check_frictional(asked, asked_metric)?;
+    }
+    if sizes.has_guides {
+        check_guided(asked, asked_metric)?;
     }
     let method = asked.unwrap_or(ContactMethod::OneLevel);
     let metric = asked_metric.unwrap_or(method.natural_metric());
@@ -170,6 +175,23 @@ fn check_frictional(
     })
 }
 
+/// Refuses what stagnates where multipliers have no bound: steps of gradients and metrics that do not
+/// know how stiff the body is.
+fn check_guided(
+    method: Option<ContactMethod>,
+    metric: Option<MetricKind>,
+) -> Result<(), Violation> {
+    let path = match (method, metric) {
+        (Some(ContactMethod::Mprgp), _) => "solver.contact",
+        (_, Some(MetricKind::Mass | MetricKind::Fractional)) => "solver.contact_metric",
+        _ => return Ok(()),
+    };
+    Err(Violation {
+        path: path.to_owned(),
+        message: "ties and supports along normals are solved by `one-level` in the metric `compliance` only".to_owned(),
+    })
+}
+
 /// Why a choice that the scene made, in whole or in part, is what it is.
 fn reason(asked: Option<ContactMethod>, metric: Option<MetricKind>) -> String {
     match (asked, metric) {
@@ -217,6 +239,7 @@ mod tests {
             dimension: 3,
             multipliers,
             vertices: multipliers,
+            has_guides: false,
             needs_one_level: false,
             is_frictional: false,
             known: None,
@@ -291,6 +314,25 @@ mod tests {
         };
         let fault = choose(&asked("auto", "auto"), floating).expect_err("too large");
         assert_eq!(fault.path, "obstacle");
+    }
+
+    #[test]
+    fn ties_are_solved_in_the_compliance_only() {
+        let tied = ContactSizes {
+            has_guides: true,
+            needs_one_level: true,
+            ..body(100)
+        };
+        let cases = [
+            (asked("mprgp", "auto"), "solver.contact"),
+            (asked("auto", "mass"), "solver.contact_metric"),
+            (asked("one-level", "fractional"), "solver.contact_metric"),
+        ];
+        for (options, path) in cases {
+            let fault = choose(&options, tied).expect_err("refused");
+            assert_eq!(fault.path, path);
+        }
+        assert!(choose(&asked("one-level", "compliance"), tied).is_ok());
     }
 
     #[test]

@@ -82,6 +82,7 @@ fn contact_sizes(problem: &Problem, vertices: usize) -> ContactSizes {
         dimension: problem.units.dimension as u64,
         multipliers: problem.unknowns.contact,
         vertices: vertices as u64,
+        has_guides: problem.guided_multipliers > 0,
         needs_one_level: problem.is_floating() || problem.guided_multipliers > 0 || is_frictional,
         is_frictional,
         known: None,
