@@ -37,7 +37,8 @@ pub(crate) fn internal(model: &Model<'_>, state: &State, work: &mut Workspace) -
     };
     let mut force = vec![0.0; state.displacement.len()];
     let mut residual = vec![0.0; state.pressure.len()];
-    let fields = (&state.displacement[..], &state.pressure[..]);
+    let displacement = state.relative_displacement();
+    let fields = (&displacement[..], &state.pressure[..]);
     let response = cells.respond(fields, (&mut force, &mut residual), work);
     finish_constraint(model, state, &mut residual, work);
     Internal {

@@ -35,6 +35,7 @@ pub(crate) mod prescribed;
 pub(crate) mod pressures;
 pub(crate) mod proximal;
 pub(crate) mod push;
+pub(crate) mod remainder;
 pub(crate) mod state;
 pub(crate) mod surface_metric;
 pub(crate) mod tangent;

@@ -3,11 +3,14 @@
 //! it goes on with the same bits. What the solver has learnt on the way stands apart,
 //! in `sqp::learned`.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::drive::Drive;
+use super::remainder::Remainder;
 use crate::assembly::strain::StrainGrid;
 use crate::inequality::QpScales;
+use crate::linalg::vector::add_scaled;
 use crate::pairs::Support;
 use crate::plan::Plan;
 use crate::prepare::TaylorHoodData;
@@ -48,6 +51,8 @@ pub(crate) struct State {
     /// What moved the surface where the response of the body has answered; none after others,
     /// and in every checkpoint.
     pub(crate) surface_load: Option<SurfaceLoad>,
+    /// Further digits of the displacement while an increment is solved; none in every checkpoint.
+    pub(crate) remainder: Option<Remainder>,
 }
 
 /// The contact load that has moved a surface.
@@ -149,6 +154,7 @@ impl State {
             film: film_at_rest(plan),
             supports: Vec::new(),
             surface_load: None,
+            remainder: None,
         }
     }
 
@@ -160,6 +166,22 @@ impl State {
         } else {
             cells.clone()
         })
+    }
+
+    /// Adds `length` times `step` `[displacement]` to the displacement.
+    pub(crate) fn move_by(&mut self, length: f64, step: &[f64]) {
+        match &mut self.remainder {
+            Some(remainder) => remainder.add(&mut self.displacement, length, step),
+            None => add_scaled(&mut self.displacement, length, step),
+        }
+    }
+
+    /// Displacement as far as bodies do not move alike `[displacement]`, of which their forces are made.
+    pub(crate) fn relative_displacement(&self) -> Cow<'_, [f64]> {
+        match &self.remainder {
+            Some(remainder) => remainder.relative(&self.displacement).into(),
+            None => Cow::Borrowed(&self.displacement),
+        }
     }
 
     /// Share of the pressure of one fluid at the nodes of its surface.
@@ -198,7 +220,9 @@ impl State {
             .surface_load
             .as_ref()
             .map_or(0, |moved| moved.load.len());
-        let numbers = numbers + load + 2 * self.slip.travel.len() + 2 * self.slip.total.len();
+        let rounded_off = self.remainder.as_ref().map_or(0, Remainder::len);
+        let numbers =
+            numbers + load + rounded_off + 2 * self.slip.travel.len() + 2 * self.slip.total.len();
         let wet: usize = self.wet.iter().map(Vec::len).sum();
         let film: usize = self.film.iter().map(Vec::len).sum();
         (8 * (numbers + film) + self.status.len() + wet) as u64 + self.drive.given.bytes()

@@ -367,6 +367,7 @@ impl Session {
             InStep::Last
         };
         self.add_goals(&mut report, (place, cancel));
+        self.state.remainder = None;
         if place == InStep::Before {
             // What is on its way may touch at the end.
             let warnings = &mut report.warnings;

@@ -20,6 +20,7 @@ use crate::model::interfaces::Interfaces;
 use crate::model::lending::lend_anew;
 use crate::model::loads::reference_load;
 use crate::model::push::Applied;
+use crate::model::remainder::Remainder;
 use crate::model::state::{Start, State};
 use crate::plan::Plan;
 use crate::precond::p_multigrid::LANCZOS_STEPS;
@@ -156,6 +157,7 @@ impl TaylorHoodBody {
         let mut run = self.run(&mut increment, &lending);
         let has_friction = self.interfaces.friction.is_some();
         run.model.conditions = self.conditions(has_friction.then(|| SlipStart::at(before).into()));
+        run.state.remainder = Remainder::of(&run.model);
         let (mut ending, part) = continuation::advance(&mut run, goal);
         ending.site = ending.site.or_else(|| locate(&mut run, &ending, goal));
         if ending.is_stopped() {

@@ -11,7 +11,7 @@ use super::predictor;
 use super::program::{QuadraticProgram, Step};
 use super::run::Run;
 use super::scales::{
-    carried_force, forget_scales, is_rounding, least_force, limit_gap_scale, raise_scales, touches,
+    forget_scales, is_rounding, least_force, limit_gap_scale, raise_scales, touches,
 };
 use super::search::{Refused, non_monotone_step, search};
 use super::verdict::{Verdict, of_status, verdict};
@@ -243,8 +243,6 @@ impl Iterate {
             limit_gap_scale(&run.model, run.state, &self.now);
         }
         raise_scales(&run.model, run.state, &self.now);
-        let carried = carried_force(&run.model, run.state, &self.now);
-        self.first_force = self.first_force.max(carried);
         self.reduction = forcing(worst, self.residuals(run.state).largest());
     }
 

@@ -143,23 +143,6 @@ pub(super) fn least_force(model: &Model<'_>, state: &State, now: &Evaluation) ->
     at_rest(model, now).max(rounding(model, state) / model.conditions.tolerance)
 }
 
-/// The same of several bodies of rubber after a step to where they meet nothing, and forces are at most rounding in
-/// the moduli of the stiffest of them, as where it was carried there as a whole. Zero elsewhere.
-pub(super) fn carried_force(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
-    let mut all = model.interfaces.list.iter();
-    if !model.is_rubber() || !all.any(|one| one.pair().is_some()) {
-        return 0.0;
-    }
-    let materials = model.plan.problem.resolved.materials.iter();
-    let stiffest = materials.fold(0.0, |most: f64, one| most.max(one.law.shear_modulus));
-    let noise = rounding(model, state) * stiffest / model.plan.problem.units.stress;
-    if touches(state) || now.gap_norm(state) > 0.0 || norm(&now.force) > noise {
-        0.0
-    } else {
-        noise / model.conditions.tolerance
-    }
-}
-
 /// Whether the residuals of force and volume at `now` are no more than [`ROUNDINGS`] times what
 /// they change by if every unknown is moved by one rounding. Such a state solves a problem whose
 /// data differ by roundings (W. Oettli and W. Prager, Numer. Math. 6, 1964).

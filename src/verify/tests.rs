@@ -156,7 +156,7 @@ fn forces_and_volume_defects_are_slopes_of_the_energy() {
     for (body, _) in bodies() {
         let (mut state, nodal) = body.state();
         let model = body.model();
-        let (force, constraint) = volume::residuals(&model, &state, &nodal);
+        let (force, constraint) = volume::residuals(&model, &state, (&nodal, &nodal));
         let load = loads::external_load(&model, &state, &nodal);
         let (node, vertex) = (nodal.len() - 2, 3);
         for i in 0..body.mesh.cell_kind().dimension() {

@@ -19,11 +19,12 @@ use crate::scene::validate::ResolvedMaterial;
 /// Exact for products of quadratic gradients and then some.
 const LINEAR_DEGREE: u32 = 4;
 
-/// Load minus internal force on Lagrange nodes, and the volume constraint.
+/// Load minus internal force on Lagrange nodes, and the volume constraint, where nodes have moved by
+/// `nodal`, and within bodies by `within`.
 pub(crate) fn residuals(
     model: &Model<'_>,
     state: &State,
-    nodal: &[[f64; 3]],
+    (nodal, within): (&[[f64; 3]], &[[f64; 3]]),
 ) -> (Vec<[f64; 3]>, Vec<f64>) {
     let simplex = match model.mesh.cell_kind().dimension() {
         2 => Simplex::Triangle,
@@ -37,7 +38,7 @@ pub(crate) fn residuals(
     let body = Body {
         model,
         state,
-        nodal,
+        nodal: within,
         rule: &rule,
     };
     for cell in 0..model.mesh.cell_count() {
@@ -55,7 +56,7 @@ fn degree(model: &Model<'_>) -> u32 {
     }
 }
 
-/// A body in the state `state`, whose Lagrange displacement is `nodal`.
+/// A body in the state `state`, whose Lagrange displacement is `nodal` but for translations.
 struct Body<'a, 'm> {
     model: &'a Model<'m>,
     state: &'a State,

@@ -27,7 +27,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("linalg", 2828, 15),
     ("material", 2200, 17),
     ("mesh", 2643, 11),
-    ("model", 5700, 18),
+    ("model", 5820, 18),
     ("obstacle", 5869, 51),
     ("pairs", 9412, 68),
     ("parallel", 124, 1),
@@ -45,7 +45,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("sqp", 7526, 91),
     ("stability", 275, 5),
     ("ties", 687, 8),
-    ("verify", 1510, 11),
+    ("verify", 1520, 11),
 ];
 
 /// Per cent by which a room may outgrow its recorded lines.

@@ -110,6 +110,54 @@ fn stiff_rubber_is_led_through_a_gap_to_what_it_presses() {
     }
 }
 
+/// A round tip a million times as stiff as the block beneath it, half of it about an axis: where it is just about to
+/// touch forces are far below the rounding of its displacements times its moduli.
+#[test]
+fn stiff_tips_come_to_touch_in_any_number_of_increments() {
+    let force = |kind: Option<SceneKind>, increments: u32| {
+        let is_round = kind.is_some();
+        let [from, width] = if is_round { [0.0, 0.5] } else { [0.2, 0.6] };
+        let [curvature, centre] = if is_round { [0.2, 0.0] } else { [0.8, 0.5] };
+        let tip = |[x, y, z]: [f64; 3]| {
+            let raised = curvature * (x - centre).powi(2) * (1.0 - y);
+            [from + width * x, 0.65 + 0.4 * y + raised, z]
+        };
+        let block = moved(unit_grid(12, 6), |[x, y, z]| [x, 0.6 * y, z]);
+        let upper = moved(unit_grid(5, 2), tip);
+        let body = mesh(joined(&[("a_", block), ("b_", upper)]));
+        let mut scene = Scene {
+            kind,
+            supports: vec![
+                support("a_y0", HELD_IN_PLANE),
+                support("b_y1", HELD_IN_PLANE),
+            ],
+            contacts: between("a_y1", "b_y0"),
+            ..rubber_of([("a_body", 1.0), ("b_body", 1e6)], None)
+        };
+        // Its textbook laws lose a unit in the last place of the modulus.
+        scene.solver.verify = false;
+        if is_round {
+            let axis = ["a_x0", "b_x0"].map(|side| support(side, [Some(0.0), None, None]));
+            scene.supports.extend(axis);
+        }
+        let reports = solve(
+            &scene,
+            &[pull("b_y1", [None, Some(-0.1), None], increments)],
+            &body,
+        );
+        let last = reports.last().expect("a report");
+        assert_eq!(last.termination, Termination::Converged, "{increments}");
+        assert_eq!(reports.len(), increments as usize);
+        last.contacts["pair"].force[1]
+    };
+    for kind in [None, Some(SceneKind::Axisymmetric)] {
+        let [one, five, seven] = [1, 5, 7].map(|increments| force(kind, increments));
+        for many in [five, seven] {
+            assert!((one / many - 1.0).abs() < 1e-6, "{one} {many}");
+        }
+    }
+}
+
 /// Force on the lower block where the upper one, narrower by what the mesh is shifted, is lowered through
 /// the gap and dragged to the side in the same increment.
 fn dragged(gap: f64) -> [f64; 3] {

@@ -51,11 +51,12 @@ impl<S: Simd, const V: usize, const E: usize> ElementPart<'_, S, V, E> {
     fn vertex_gradients<const D: usize>(&self, g: &Vectors<S, V, D>) -> VertexGradients<S, V, D> {
         let (simd, part) = (self.simd, self.part);
         let mut constant = zeros::<S, D, D, f64>(simd);
-        for a in 0..V {
-            for i in 0..D {
-                let value = Pack::load(simd, &self.vertices[a][i], part);
+        for i in 0..D {
+            let first = Pack::load(simd, &self.vertices[0][i], part);
+            for a in 1..V {
+                let apart = Pack::load(simd, &self.vertices[a][i], part) - first;
                 for j in 0..D {
-                    constant[i][j] = constant[i][j].plus_product(value, g[a][j]);
+                    constant[i][j] = constant[i][j].plus_product(apart, g[a][j]);
                 }
             }
         }

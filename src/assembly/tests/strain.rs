@@ -131,6 +131,20 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
+fn a_body_that_is_carried_far_has_no_forces_at_all() {
+    for body in bodies(4) {
+        let (space, pressures) = (&body.sample.space, vec![0.0; body.sample.space.vertices]);
+        let mut carried = vec![0.0; body.sample.unknowns()];
+        let vertices = carried[..space.components * space.vertices].chunks_mut(space.components);
+        for vertex in vertices {
+            vertex.copy_from_slice(&[0.1, -1e3, 7.3][..space.components]);
+        }
+        let (forces, volumes, _) = body.respond(&carried, &pressures);
+        assert!(forces.iter().chain(&volumes).all(|&value| value == 0.0));
+    }
+}
+
+#[test]
 fn the_tangent_is_the_slope_of_the_forces() {
     for degree in [2, 3] {
         for body in all_bodies(degree) {

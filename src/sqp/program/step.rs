@@ -28,7 +28,7 @@ impl Step {
     /// Adds `length` times the step to the state, 1 being the whole step; the statuses
     /// are taken over at any length.
     pub(crate) fn apply(&self, state: &mut State, length: f64) {
-        add_scaled(&mut state.displacement, length, &self.displacement);
+        state.move_by(length, &self.displacement);
         add_scaled(&mut state.pressure, length, &self.pressure);
         add_scaled(&mut state.multiplier, length, &self.multiplier);
         state.status.copy_from_slice(&self.status);
