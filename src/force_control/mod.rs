@@ -53,7 +53,8 @@ constants! {
     /// Accuracy of the first solve, and the misfit below which growth is no matter.
     const COARSE: f64 = 1e-3;
     /// Accuracy of the first solve after touch for one component, of whose force the metric is
-    /// some tenths wrong; several have directions that hardly show, and want a sharper one.
+    /// some tenths wrong; several have directions that hardly show, and a body that nothing else holds
+    /// is out of balance by as much: they want a sharper one.
     const ROUGH: f64 = 0.05;
     /// Accuracy of a solve over the misfit before it, for one component and for several, whose
     /// stiffness is learnt.
@@ -219,15 +220,16 @@ impl Balance {
     fn led(&mut self, run: &Run<'_>, step: Vec<f64>) -> BroydenIterate {
         self.drive = self.drive.carried_by(&run.state.drive);
         self.stiffness = None;
-        self.tolerance = self.roughest().max(self.floor);
+        self.tolerance = self.roughest(run).max(self.floor);
         BroydenIterate::new(step, self.progress(run), self.is_only_pushed(run))
     }
 
     /// The least accuracy of a solve.
-    fn roughest(&self) -> f64 {
-        match self.controls.len() {
-            1 => ROUGH,
-            _ => COARSE,
+    fn roughest(&self, run: &Run<'_>) -> f64 {
+        if self.controls.len() == 1 && !run.model.plan.is_floating() {
+            ROUGH
+        } else {
+            COARSE
         }
     }
 
@@ -268,7 +270,7 @@ impl Balance {
         let is_slow = after.relative > SLOW * iterate.before.relative;
         let sharpness = SHARPNESS[usize::from(is_slow || self.controls.len() > 1)];
         let floor = self.floor;
-        self.tolerance = (sharpness * misfit).clamp(floor, self.roughest().max(floor));
+        self.tolerance = (sharpness * misfit).clamp(floor, self.roughest(run).max(floor));
         let stiffness = self.stiffness.as_ref();
         let expected = stiffness.map_or(f64::INFINITY, |known| largest(&known.product(&step)));
         Ok(BroydenIterate {
