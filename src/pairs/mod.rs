@@ -56,6 +56,7 @@ pub mod piece;
 mod plane;
 pub mod probing;
 mod rest;
+mod slid;
 pub mod sliding;
 pub mod slip;
 pub mod space;

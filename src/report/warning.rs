@@ -17,6 +17,8 @@ pub enum WarningKind {
     MissedContact,
     /// Strains of a linear law beyond what it is meant for.
     LargeStrain,
+    /// Linear bodies have slid on each other farther than they are meant to.
+    LargeSliding,
     /// Nothing holds the body along a direction.
     FreeMotion,
     /// Faces in contact are large beside the contact.
@@ -40,7 +42,7 @@ pub enum WarningKind {
 
 impl WarningKind {
     /// All, in the order in which they are listed.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Snapped,
         Self::UnstableEquilibrium,
         Self::UntouchedObstacle,
@@ -48,6 +50,7 @@ impl WarningKind {
         Self::PassedThrough,
         Self::MissedContact,
         Self::LargeStrain,
+        Self::LargeSliding,
         Self::FreeMotion,
         Self::CoarseContact,
         Self::CoarseFacets,
@@ -69,6 +72,7 @@ impl WarningKind {
             Self::PassedThrough => "passed_through",
             Self::MissedContact => "missed_contact",
             Self::LargeStrain => "large_strain",
+            Self::LargeSliding => "large_sliding",
             Self::FreeMotion => "free_motion",
             Self::CoarseContact => "coarse_contact",
             Self::CoarseFacets => "coarse_facets",
@@ -126,7 +130,8 @@ mod tests {
             BeginsInside => PassedThrough,
             PassedThrough => MissedContact,
             MissedContact => LargeStrain,
-            LargeStrain => FreeMotion,
+            LargeStrain => LargeSliding,
+            LargeSliding => FreeMotion,
             FreeMotion => CoarseContact,
             CoarseContact => CoarseFacets,
             CoarseFacets => CoarseTurn,

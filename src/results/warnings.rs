@@ -5,6 +5,7 @@
 //! | missed contact | distances between the points of the contact integrals, on faces without pressure, depths of cells beside all faces, of vertices that supports hold, and between the nodes of pressed faces |
 //! | untouched obstacle | no pressure, and the obstacle no farther than before |
 //! | contact that presses nowhere | no pressure between two bodies |
+//! | large sliding | how far linear bodies have slid on each other, over the facets of the carrier |
 //! | bridged gap | how far the undeformed surfaces of a tie are apart |
 //! | pushed out | no equilibrium at the upper end of a blow-off |
 //! | passed through | no pressure, and cells inside the obstacle; poses on the way at which it is inside, of one that presses deeper than one that slides |
@@ -86,6 +87,7 @@ pub(crate) fn warnings(
     }
     all.extend(apart(model, state));
     all.extend(bridged(model));
+    all.extend(slid(model, state));
     all.extend(pushed_out(model, ending));
     of_the_body(model, state, ending, &mut all);
     all
@@ -107,6 +109,30 @@ fn apart<'m>(model: &'m Model<'_>, state: &'m State) -> impl Iterator<Item = War
             None,
             format!("contact `{name}` presses nowhere: its surfaces are apart, or farther from or inside each other than the reach, a quarter of the extent of the smaller one"),
         )
+    })
+}
+
+/// Linear bodies that have slid on each other by more than a facet: they meet where they were at rest.
+fn slid<'m>(model: &'m Model<'_>, state: &'m State) -> impl Iterator<Item = Warning> + 'm {
+    let length = model.plan.problem.units.length;
+    let body = model.deformed(&state.displacement);
+    let list = model.interfaces.list.iter();
+    let met = list.filter_map(|interface| Some((interface, interface.pair()?)));
+    met.filter_map(move |(interface, pair)| {
+        let way = pair.slid(&body, &interface.own(&state.multiplier))?;
+        let faces = &interface.surface.faces;
+        let longest = faces.iter().map(|face| edge(model, &face.corners));
+        let facet = longest.fold(0.0, f64::max) * model.plan.problem.units.coordinate_scale;
+        let name = &interface.name;
+        (way > facet).then(|| {
+            let [way, facet] = [way * length, facet * length].map(digits);
+            Warning::new(
+                WarningKind::LargeSliding,
+                name,
+                None,
+                format!("contact `{name}` has slid by {way}, its facets are up to {facet}: linear bodies go on pressing where they met at rest, a law of rubber meets what is there"),
+            )
+        })
     })
 }
 

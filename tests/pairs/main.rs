@@ -23,6 +23,7 @@ mod pushed;
 mod refusals;
 mod rings;
 mod scenes;
+mod slid;
 mod slits;
 mod space;
 mod tubes;
