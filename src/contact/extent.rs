@@ -44,11 +44,12 @@ pub fn pressed(surface: &ContactSurface, at: Acting<'_>) -> (Vec<f64>, Vec<bool>
     (coefficients, pressed)
 }
 
-/// What the pressure of active multipliers covers on `surface`.
+/// What the pressure of active multipliers covers on `surface`; forces of `counterpart` on faces where they are
+/// known, else those of the pressure on all of each face.
 pub fn extent<C: Counterpart + ?Sized>(
     body: &Deformed<'_>,
     surface: &ContactSurface,
-    counterpart: &C,
+    (counterpart, on_faces): (&C, Option<&[[f64; 3]]>),
     at: Acting<'_>,
 ) -> ContactExtent {
     let (coefficients, pressed) = pressed(surface, at);
@@ -67,7 +68,10 @@ pub fn extent<C: Counterpart + ?Sized>(
             let [from, to] = counterpart.covered(&surface.faces[*face]);
             *share = share.map(|end| end.clamp(from, to));
         }
-        let forces = face_forces(body, surface, counterpart, at);
+        let forces = match on_faces {
+            Some(forces) => forces.to_vec(),
+            None => face_forces(body, surface, counterpart, at),
+        };
         let intervals = stretches.iter();
         let intervals = intervals.map(|own| interval(body, surface, (own, &forces), &rule));
         found.intervals = intervals.collect();

@@ -3,9 +3,7 @@
 //! Ends of the pieces are where the rays of the face pass vertices of the other surface, and where it
 //! stops going on beyond its ends and corners: roots of cubics. They count within the reach along the
 //! ray, and at any distance those of faces that are met, or of the same body: what else is among the
-//! candidates of another body changes nothing. What is met aslant and far of another body counts where a gap
-//! without a jump joins it to what is near: rays that turn beyond a corner would begin to meet whole faces of
-//! the wall above it. Between two of them the partner is that of the ray in the middle: the nearest face that it
+//! candidates of another body changes nothing. Between two of them the partner is that of the ray in the middle: the nearest face that it
 //! meets from outside, within the reach and before half of the way to where neighbouring rays meet. The choice is by values alone; derivatives are taken with the
 //! topology as it is. Cost: one cubic a vertex and one ray a part and face among the candidates.
 
@@ -114,7 +112,6 @@ pub(super) fn pieces(
         breaks.extend(met);
         far = rest;
     };
-    let runs = without_walls(face, runs, partners);
     if runs.iter().all(|run| run.gap > reach.open) {
         return Vec::new();
     }
@@ -141,7 +138,12 @@ pub(super) fn pieces(
                 End::Fixed(run[side])
             }
         });
-        (partner, Piece { beside, ends })
+        let piece = Piece {
+            beside,
+            ends,
+            fading: [0.0; 3],
+        };
+        (partner, piece)
     };
     runs.iter().copied().enumerate().map(piece).collect()
 }
@@ -173,36 +175,6 @@ fn runs(face: &Face<f64>, breaks: &[Break], partners: &[Partner], reach: Reach) 
         }
     }
     runs
-}
-
-/// Without what is met aslant and far of another body, unless a gap without a jump joins it to the rest.
-fn without_walls(face: &Face<f64>, runs: Vec<Run>, partners: &[Partner]) -> Vec<Run> {
-    let near = near(face);
-    let is_plain = |run: &Run| {
-        let partner = &partners[run.partner];
-        let middle = 0.5 * (run.part[0] + run.part[1]);
-        let cosine = || met(face, middle, partner).map_or(0.0, |met| met.cosine);
-        partner.role != Role::Apart || run.gap <= near || cosine() >= ASLANT
-    };
-    let mut keeps: Vec<bool> = runs.iter().map(is_plain).collect();
-    let is_joined = |pair: &[Run]| {
-        let at = pair[1].part[0];
-        let gaps = [0, 1].map(|k: usize| {
-            let met = met(face, at, &partners[pair[k].partner]);
-            met.map_or(f64::INFINITY, |met| met.gap)
-        });
-        at - pair[0].part[1] <= SHORTEST && (gaps[0] - gaps[1]).abs() <= near
-    };
-    let joined: Vec<bool> = runs.windows(2).map(is_joined).collect();
-    for k in 0..joined.len() {
-        keeps[k + 1] |= joined[k] && keeps[k];
-    }
-    for k in (0..joined.len()).rev() {
-        keeps[k] |= joined[k] && keeps[k + 1];
-    }
-    let kept = runs.into_iter().zip(keeps);
-    kept.filter_map(|(run, keeps)| keeps.then_some(run))
-        .collect()
 }
 
 /// Gap beyond which a face is open.
@@ -320,7 +292,7 @@ fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Opti
             continue;
         };
         let far = gap.abs() + beyond(face, s, partner);
-        if stands_out(face, s, index, partners) {
+        if stands_out(face, s, index, partners) || is_beside(face, s, index, partners) {
             continue;
         }
         if reach.holds(s, gap) && best.is_none_or(|(_, _, least)| far < least) {
@@ -342,14 +314,50 @@ fn nearest(face: &Face<f64>, s: f64, partners: &[Partner], reach: Reach) -> Opti
 /// Whether a partner is met where its line stands out of the other body beyond a corner, before the face on the
 /// other side of that corner, which the ray meets more squarely: the flank of a tip would touch before its end.
 fn stands_out(face: &Face<f64>, s: f64, index: usize, partners: &[Partner]) -> bool {
-    let partner = &partners[index];
-    let is_face = |met: &Met| (-BESIDE..=1.0 + BESIDE).contains(&met.r);
-    let own = met(face, s, partner).filter(|own| partner.role == Role::Apart && !is_face(own));
-    let is_before = |own: &Met, other: &Partner| {
-        let met = met(face, s, other).filter(|met| is_face(met) && met.gap > own.gap);
-        met.is_some_and(|met| met.cosine > own.cosine) && are_joined(partner, other)
+    let own = met(face, s, &partners[index]).filter(|own| !is_on(own));
+    let is_before = |own: Met| {
+        let others = across(face, s, (index, &own), partners);
+        others
+            .into_iter()
+            .any(|(_, met)| is_on(&met) && met.gap > own.gap)
     };
-    own.is_some_and(|own| partners.iter().any(|other| is_before(&own, other)))
+    own.is_some_and(is_before)
+}
+
+/// Whether a partner is met where the ray meets more squarely what goes on beyond the corner from the face on
+/// its other side: a wall beside the end of a sole.
+fn is_beside(face: &Face<f64>, s: f64, index: usize, partners: &[Partner]) -> bool {
+    let own = met(face, s, &partners[index]).filter(is_on);
+    let goes_on = |(other, met): (&Partner, Met)| {
+        let [low, high] = other.range;
+        !is_on(&met) && (low..=high).contains(&met.r)
+    };
+    own.is_some_and(|own| {
+        across(face, s, (index, &own), partners)
+            .into_iter()
+            .any(goes_on)
+    })
+}
+
+/// Whether a ray meets a face itself, not what goes on beyond its ends.
+fn is_on(met: &Met) -> bool {
+    (-BESIDE..=1.0 + BESIDE).contains(&met.r)
+}
+
+/// What the ray meets more squarely of the faces of another body that have a vertex in common with one, where it
+/// has `own`.
+fn across<'p>(
+    face: &Face<f64>,
+    s: f64,
+    (index, own): (usize, &Met),
+    partners: &'p [Partner],
+) -> Vec<(&'p Partner, Met)> {
+    let partner = &partners[index];
+    let others = partners
+        .iter()
+        .filter(|other| other.role == Role::Apart && are_joined(partner, other));
+    let met = others.filter_map(|other| Some((other, met(face, s, other)?)));
+    met.filter(|(_, met)| met.cosine > own.cosine).collect()
 }
 
 /// Whether neighbouring rays of a point of the face still go their way side by side at a distance

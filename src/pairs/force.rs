@@ -16,6 +16,7 @@ use super::slip::Sliding;
 use super::space::SpaceSides;
 use super::surface::{PairForce, PairSurface, Sides};
 use crate::contact::{ContactSurface, Deformed};
+use crate::geometry::vector3::add;
 
 /// What functions of a face move of the nodes of a piece.
 struct SidedPart<'a> {
@@ -48,7 +49,7 @@ impl PairSurface {
             return self.forces_of(body, &rows, &pushing);
         };
         let coefficients = surface.shares.spread(pressures);
-        let parts = self.where_taken(sides, body, |placed| match &self.at_rest {
+        let parts = self.where_taken(sides, (body, surface), |placed| match &self.at_rest {
             Some(_) => placed.gaps_at_rest(),
             None => placed.first(),
         });
@@ -57,7 +58,33 @@ impl PairSurface {
             nodes: &part.nodes,
             rows: [0, 1, 2].map(|k: usize| part.gaps[k].first),
         });
-        forces_of_parts(sides, (body, parts), &coefficients)
+        forces_of_parts(sides, (body, parts), &sides.of_faces(&coefficients))
+    }
+
+    /// Force on each face of the carrier in the plane or about an axis `[faces][3]`; none in space.
+    pub fn face_forces(
+        &self,
+        body: &Deformed<'_>,
+        (surface, pressures): (&ContactSurface, &[f64]),
+    ) -> Option<Vec<[f64; 3]>> {
+        let sides = self.plane()?;
+        let coefficients = surface.shares.spread(pressures);
+        let parts = self.where_taken(sides, (body, surface), |placed| match &self.at_rest {
+            Some(_) => placed.gaps_at_rest(),
+            None => placed.first(),
+        });
+        let factors = sides.of_faces(&coefficients);
+        let mut forces = vec![[0.0; 3]; surface.faces.len()];
+        for part in &parts {
+            let one = SidedPart {
+                face: part.face,
+                nodes: &part.nodes,
+                rows: [0, 1, 2].map(|k: usize| part.gaps[k].first),
+            };
+            let own = forces_of_parts(sides, (body, std::iter::once(one)), &factors);
+            forces[part.face] = add(forces[part.face], own.on_carrier);
+        }
+        Some(forces)
     }
 
     /// Forces of `tractions` `[multipliers]` on both bodies along the rows of `sliding`.
@@ -75,7 +102,7 @@ impl PairSurface {
             let [x, y, _] = body.place(node as usize);
             [x, y]
         };
-        let parts = self.where_taken(sides, body, |placed| match &self.at_rest {
+        let parts = self.where_taken(sides, (body, surface), |placed| match &self.at_rest {
             Some(_) => placed.slips_at_rest(),
             None => placed.slid(&start),
         });
@@ -84,7 +111,7 @@ impl PairSurface {
             nodes: &part.nodes,
             rows: part.rows,
         });
-        forces_of_parts(sides, (body, parts), &coefficients)
+        forces_of_parts(sides, (body, parts), &sides.of_faces(&coefficients))
     }
 
     /// Both sides in the plane or about an axis where they are of one body.
@@ -104,28 +131,32 @@ impl PairSurface {
     fn where_taken<T>(
         &self,
         sides: &PlaneSides,
-        body: &Deformed<'_>,
+        (body, surface): (&Deformed<'_>, &ContactSurface),
         task: impl FnOnce(&Placed<'_>) -> T,
     ) -> T {
         if self.at_rest.is_none() {
-            return sides.placed(body, task);
+            return sides.placed((body, surface), task);
         }
         let rest = vec![0.0; body.displacement.len()];
         let rest = Deformed {
             displacement: &rest,
             ..*body
         };
-        sides.placed(&rest, task)
+        let moved = self.touching(&rest, surface);
+        let touching = Deformed {
+            displacement: &moved,
+            ..rest
+        };
+        sides.placed((&touching, surface), task)
     }
 }
 
-/// Forces of functions with `coefficients` along the rows of `parts`.
+/// Forces of functions with `factors` `[faces]` along the rows of `parts`.
 fn forces_of_parts<'p>(
     sides: &PlaneSides,
     (body, parts): (&Deformed<'_>, impl Iterator<Item = SidedPart<'p>>),
-    coefficients: &[f64],
+    factors: &[[f64; 3]],
 ) -> PairForce {
-    let factors = sides.of_faces(coefficients);
     let mut sum = PairForce::default();
     for part in parts {
         for (place, &node) in part.nodes.iter().enumerate() {

@@ -21,6 +21,7 @@
 //! | [`choice`] | which pieces have which partners |
 //! | [`chain`] | surfaces: neighbours, corners, ends |
 //! | [`force`] | forces on both surfaces |
+//! | `fading` | what is open beside a corner |
 //! | [`fold`] | who may meet whom on one body |
 //! | `order` | which face of a surface that meets itself carries |
 //! | [`tree`] | faces near a face |
@@ -45,6 +46,7 @@
 mod between;
 pub mod chain;
 pub mod choice;
+mod fading;
 pub mod fold;
 pub mod force;
 mod ground;

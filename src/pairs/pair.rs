@@ -221,10 +221,29 @@ impl Placed<'_> {
             .map(|face| [[0.0; 3], self.integrals(face, [0.0, 1.0])])
             .collect();
         for meeting in &self.meetings {
-            let ends = meeting.piece.ends.map(|end| end.place());
-            let own = self.integrals(&self.pair.carrier.faces[meeting.face], ends);
+            let own = self.counted_areas(meeting);
             let sum = &mut sums[meeting.face][0];
             sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        sums
+    }
+
+    /// int psi_j over what counts of a meeting, by deformed length.
+    pub(super) fn counted_areas(&self, meeting: &Meeting) -> [f64; 3] {
+        let ends = meeting.piece.ends.map(|end| end.place());
+        if !meeting.piece.fades() {
+            return self.integrals(&self.pair.carrier.faces[meeting.face], ends);
+        }
+        let (face, other) = (self.face(meeting.face), self.other_places(meeting));
+        let sites = meeting.piece.sites(&self.places(meeting), &self.rule);
+        let mut sums = [0.0; 3];
+        for site in sites {
+            let area = site.weight * face.stretch(site.s, self.pair.section);
+            let gap = face.gap(site.s, other, site.r);
+            let values = meeting.piece.counted(&face, site.s, gap);
+            sums.iter_mut()
+                .zip(values)
+                .for_each(|(sum, value)| *sum += area * value);
         }
         sums
     }

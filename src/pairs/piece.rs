@@ -105,6 +105,8 @@ pub struct Piece {
     pub beside: [Beside; 2],
     /// The ends, ascending.
     pub ends: [End; 2],
+    /// kappa of the three functions (see [`super::fading`]).
+    pub fading: [f64; 3],
 }
 
 /// a . b
@@ -271,8 +273,8 @@ impl Piece {
     /// int psi_j a ds of the three Bernstein functions of the face, those of a, b and its edge.
     pub fn gaps<T: Number>(&self, places: &NodePlaces<T>, sweep: Sweep<'_>) -> [T; 3] {
         let mut sums = [T::constant(0.0); 3];
-        self.each_point(places, sweep, &mut |s, weighted| {
-            for (sum, value) in sums.iter_mut().zip(bernstein(s)) {
+        self.each_point(places, sweep, &mut |values, weighted| {
+            for (sum, value) in sums.iter_mut().zip(values) {
                 *sum = *sum + value * weighted;
             }
         });
@@ -287,20 +289,19 @@ impl Piece {
         factors: [f64; 3],
     ) -> T {
         let mut sum = T::constant(0.0);
-        self.each_point(places, sweep, &mut |s, weighted| {
-            let [a, b, middle] = bernstein(s);
+        self.each_point(places, sweep, &mut |[a, b, middle], weighted| {
             let factor = a.times(factors[0]) + b.times(factors[1]) + middle.times(factors[2]);
             sum = sum + factor * weighted;
         });
         sum
     }
 
-    /// s, and a times the weight, at every point of the rule.
+    /// What counts of the functions, and a times the weight, at every point of the rule.
     fn each_point<T: Number>(
         &self,
         places: &NodePlaces<T>,
         sweep: Sweep<'_>,
-        see: &mut dyn FnMut(T, T),
+        see: &mut dyn FnMut([T; 3], T),
     ) {
         let face = Face::new(places, self.beside);
         let other = [places[OTHER], places[OTHER + 1], places[OTHER + 2]];
@@ -314,7 +315,8 @@ impl Piece {
             };
             let r = face.hit(s, other, near);
             let gap = face.gap(s, other, r);
-            see(s, weight * face.area((s, gap), sweep.section));
+            let values = self.counted(&face, s, gap);
+            see(values, weight * face.area((s, gap), sweep.section));
         }
     }
 }

@@ -5,6 +5,7 @@
 
 use super::between::{Derivatives, Gaps, Row, raise};
 use super::chain::Chain;
+use super::fading::{Known, parts};
 use super::fold::{Fold, Meets};
 use super::ground::Ground;
 use super::number::{First, Second};
@@ -20,6 +21,8 @@ pub(super) struct PlaneSides {
     pub(super) pair: Pair,
     /// Functions of each face of the carrier `[faces]`.
     functions: Vec<[u32; 3]>,
+    /// The part that each face of the other surface is of; empty where there is one, and on one body.
+    parts: Vec<u32>,
 }
 
 impl PlaneSides {
@@ -47,19 +50,37 @@ impl PlaneSides {
                 [a, b, edge]
             }
         });
+        let mut parts = parts(mesh, space, &pair.other);
+        if pair.fold.is_some() || parts.iter().all(|part| *part == 0) {
+            parts.clear();
+        }
         Self {
             functions: functions.collect(),
+            parts,
             pair,
         }
     }
 
     /// What `task` makes of the surfaces where `body` has them.
-    pub(super) fn placed<T>(&self, body: &Deformed<'_>, task: impl FnOnce(&Placed<'_>) -> T) -> T {
+    pub(super) fn placed<T>(
+        &self,
+        (body, surface): (&Deformed<'_>, &ContactSurface),
+        task: impl FnOnce(&Placed<'_>) -> T,
+    ) -> T {
         let place = |node: u32| {
             let [x, y, _] = body.place(node as usize);
             [x, y]
         };
-        task(&self.pair.placed(&place))
+        let placed = self.pair.placed(&place);
+        if self.parts.is_empty() {
+            return task(&placed);
+        }
+        let of = Known {
+            functions: &self.functions,
+            parts: &self.parts,
+            shares: &surface.shares,
+        };
+        task(&placed.fading(of))
     }
 
     /// Values of functions by the faces `[faces]`.

@@ -17,7 +17,7 @@
 use super::number::{First, Number};
 use super::pair::{Part, Placed};
 use super::piece::{
-    Face, INPUTS, NODES, NodePlaces, OTHER, Piece, Sweep, bernstein, dot, slope, to_the_right,
+    Face, INPUTS, NODES, NodePlaces, OTHER, Piece, Sweep, dot, slope, to_the_right,
 };
 use super::slip::SlipPart;
 
@@ -64,7 +64,7 @@ impl Piece {
                 relative[OTHER + k] = far;
             }
             Site {
-                weighted: bernstein(own.s).map(|value| value * area),
+                weighted: self.values(&face, &own, other).map(|value| value * area),
                 gap: face.gap(own.s, other, own.r),
                 closing: across.map(|x| x / dot(across, ray)),
                 facing: dot(ray, normal) / dot(normal, normal).sqrt(),

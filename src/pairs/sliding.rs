@@ -126,7 +126,7 @@ impl PlaneSides {
         surface: &ContactSurface,
     ) -> Sliding {
         let count = surface.carriers.len();
-        self.placed(body, |placed| {
+        self.placed((body, surface), |placed| {
             let [mut slips, mut weights, mut x, mut y] = [0; 4].map(|_| vec![0.0; count]);
             let mut rows: Vec<Row> = vec![Vec::new(); count];
             for part in parts(placed) {
@@ -167,7 +167,7 @@ impl PlaneSides {
         start: &[f64],
     ) -> Vec<Row> {
         let place = place_at(body, start);
-        self.placed(body, |placed| {
+        self.placed((body, surface), |placed| {
             let mut rows: Vec<Row> = vec![Vec::new(); surface.carriers.len()];
             for part in placed.slips_first(&place) {
                 let own = part.gaps.map(|gap| gap.first);
@@ -186,7 +186,7 @@ impl PlaneSides {
         let coefficients = surface.shares.spread(tractions);
         let factors: Vec<[f64; 3]> = self.of_faces(&coefficients);
         let mut rows: Vec<Row> = vec![Vec::new(); body.space.displacement_unknowns()];
-        self.placed(body, |placed| {
+        self.placed((body, surface), |placed| {
             for (nodes, change) in placed.traction_changes(&factors) {
                 let columns: Vec<u32> = unknowns(&nodes).collect();
                 for (&row, entries) in columns.iter().zip(change.iter()) {

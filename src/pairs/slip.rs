@@ -22,8 +22,7 @@ use super::chain::PlaceOf;
 use super::number::{First, Number, Second};
 use super::pair::{Meeting, Part, Placed, inputs};
 use super::piece::{
-    End, Face, INPUTS, NODES, NodePlaces, Piece, Section, Sweep, bernstein, dot, minus, point,
-    slope,
+    End, Face, INPUTS, NODES, NodePlaces, Piece, Section, Sweep, dot, minus, point, slope,
 };
 use crate::parallel;
 
@@ -129,7 +128,8 @@ impl Piece {
             // That of what the face saw at the start, less where it stood.
             let slid = -start.apart(s, point(start_other, r));
             let area = (last - first).times(*weight) * face.stretch(s, sweep.section);
-            for (sum, value) in sums.iter_mut().zip(bernstein(s)) {
+            let gap = face.gap(s, other, r);
+            for (sum, value) in sums.iter_mut().zip(self.counted(&face, s, gap)) {
                 *sum = *sum + value * slid * area;
             }
         }
@@ -149,6 +149,11 @@ impl Piece {
         rule.iter().filter_map(site).collect()
     }
 
+    /// What counts of the functions at a point.
+    pub(super) fn values(&self, face: &Face<f64>, at: &Site, other: [[f64; 2]; 3]) -> [f64; 3] {
+        self.counted(face, at.s, face.gap(at.s, other, at.r))
+    }
+
     /// R of the three functions, and int psi (1, t) da.
     fn rows(
         &self,
@@ -165,7 +170,11 @@ impl Piece {
             let area = site.weight * plain.stretch(site.s, sweep.section);
             let [t, _] = plain.tangent(site.s);
             let [x, y] = unit(t);
-            for (j, value) in bernstein(site.s).into_iter().enumerate() {
+            for (j, value) in self
+                .values(&plain, &site, other_of(places))
+                .into_iter()
+                .enumerate()
+            {
                 for (sum, own) in areas.iter_mut().zip([1.0, x, y]) {
                     sum[j] += value * area * own;
                 }
@@ -182,6 +191,7 @@ impl Piece {
         let mut change = self.change_inside(places, sweep, tractions);
         let moving = inputs(places, First::<INPUTS>::input);
         let (face, other) = (Face::new(&moving, self.beside), other_of(&moving));
+        let plain = Face::new(places, self.beside);
         for (end, sign) in self.ends.into_iter().zip([-1.0, 1.0]) {
             let End::Opposite { r, .. } = end else {
                 continue;
@@ -190,7 +200,13 @@ impl Piece {
             let s = Number::constant(moved.value);
             let f = face.apart(s, point(other, Number::constant(r)));
             let stretch = face.stretch(s, sweep.section).value;
-            let factor = sign * stretch * traction_at(tractions, moved.value);
+            let at = Site {
+                s: moved.value,
+                r,
+                weight: 1.0,
+            };
+            let values = self.values(&plain, &at, other_of(places));
+            let factor = sign * stretch * traction_of(tractions, values);
             for (row, own) in change.iter_mut().zip(f.first) {
                 for (entry, by) in row.iter_mut().zip(moved.first) {
                     *entry += factor * own * by;
@@ -210,13 +226,15 @@ impl Piece {
         let moving = inputs(places, Second::<WITH_PLACE>::input);
         let (face, other) = (Face::new(&moving, self.beside), other_of(&moving));
         let stretched = Face::new(&inputs(places, First::<INPUTS>::input), self.beside);
+        let plain = Face::new(places, self.beside);
         let mut change = [[0.0; INPUTS]; INPUTS];
         for site in self.sites(places, sweep.rule) {
             let s = Second::constant(site.s);
             let r = Second::input(INPUTS, site.r);
             let f = face.apart(s, point(other, r));
             let area = stretched.stretch(First::constant(site.s), sweep.section);
-            let factor = site.weight * traction_at(tractions, site.s);
+            let values = self.values(&plain, &site, other_of(places));
+            let factor = site.weight * traction_of(tractions, values);
             for (k, row) in change.iter_mut().enumerate() {
                 // f_r is minus the slope of the other face along the tangent: never zero on a hit.
                 let by_place = -f.second_by(k, INPUTS) / f.first[INPUTS];
@@ -230,9 +248,9 @@ impl Piece {
     }
 }
 
-/// The traction at `s` of a face by those of its three functions.
-fn traction_at(tractions: [f64; 3], s: f64) -> f64 {
-    let values = bernstein(s).into_iter().zip(tractions);
+/// The traction of three functions by their values.
+fn traction_of(tractions: [f64; 3], values: [f64; 3]) -> f64 {
+    let values = values.into_iter().zip(tractions);
     values.map(|(value, own)| value * own).sum()
 }
 

@@ -171,7 +171,7 @@ impl PairSurface {
     ) -> T {
         let (count, unknowns) = (surface.carriers.len(), body.space.displacement_unknowns());
         match &self.sides {
-            Sides::Plane(sides) => sides.placed(body, |placed| {
+            Sides::Plane(sides) => sides.placed((body, surface), |placed| {
                 task(&PlaneGaps {
                     sides,
                     placed,
@@ -273,9 +273,9 @@ impl PairSurface {
     }
 
     /// What points of the carrier's faces are to the other surface.
-    pub fn probing(&self, body: &Deformed<'_>) -> Box<dyn Counterpart> {
+    pub fn probing(&self, body: &Deformed<'_>, surface: &ContactSurface) -> Box<dyn Counterpart> {
         match &self.sides {
-            Sides::Plane(sides) => sides.placed(body, |placed| {
+            Sides::Plane(sides) => sides.placed((body, surface), |placed| {
                 Box::new(Probing::new(&sides.pair, placed)) as Box<dyn Counterpart>
             }),
             Sides::Space(sides) => Box::new(sides.probing(body)),

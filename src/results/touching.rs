@@ -98,9 +98,11 @@ impl<'a> Touching<'a> {
         let units = &self.plan.problem.units;
         let own = Own::of(interface, self.state);
         let at = own.acting([0.0; 3]);
-        let probing = pair.probing(&self.body);
-        let extent = extent(&self.body, &interface.surface, &*probing, at);
+        let probing = pair.probing(&self.body, &interface.surface);
         let pressed = (&interface.surface, &own.pressure[..]);
+        let on_faces = pair.face_forces(&self.body, pressed);
+        let met = (&*probing, on_faces.as_deref());
+        let extent = extent(&self.body, &interface.surface, met, at);
         let normal_force = pair.normal_force(&self.body, pressed);
         let forces = pair.forces(&self.body, (&interface.surface, &own.pressure));
         let (force, moment, sign) = if first_carries {
@@ -157,7 +159,12 @@ impl<'a> Touching<'a> {
     ) -> ObstacleResult {
         let units = &self.plan.problem.units;
         let own = Own::of(interface, self.state);
-        let extent = extent(&self.body, &interface.surface, met, own.acting(reference));
+        let extent = extent(
+            &self.body,
+            &interface.surface,
+            (met, None),
+            own.acting(reference),
+        );
         let area = extent.area * units.area();
         let intervals = extent.intervals.iter().map(|own| in_units(own, units));
         let intervals: Vec<ContactInterval> = intervals.collect();

@@ -5,6 +5,7 @@ use super::scenes::{between, joined, rubber};
 use crate::common::meshes::{mesh, moved, unit_grid};
 use crate::common::scenes::{HELD_IN_PLANE, pull, support};
 use crate::common::{assert_converged, close, solve};
+use signorini::scene::MaterialModel;
 use signorini::{Scene, StepReport};
 
 /// A block of five facets pressed by its `surface` into a soft slab of `facets`, which carries.
@@ -74,6 +75,57 @@ fn flanks_of_a_blunt_tip_touch_nothing_before_its_end() {
             for (found, one) in found.iter().zip(one) {
                 assert!(close(*found, one, 1e-6), "{increments}: {found} {one}");
             }
+        }
+    }
+}
+
+/// A block of 8 by 8 facets, a hundred times as stiff, pressed by its `surface` into a slab of 8 by 4 between two of
+/// whose vertices its corners lie.
+fn pressed_between_vertices(surface: &str) -> Vec<StepReport> {
+    let slab = moved(unit_grid(8, 4), |[x, y, z]| [3.0 * x, y - 1.0, z]);
+    let block = moved(unit_grid(8, 8), |[x, y, z]| {
+        [1.055 + 0.8584 * x, 0.666 * y, z]
+    });
+    let parts = joined(&[("low_", slab), ("up_", block)]);
+    let parts = with_union(parts, "skin", &["up_x0", "up_y0", "up_x1"]);
+    let mut scene = Scene {
+        supports: vec![
+            support("low_y0", HELD_IN_PLANE),
+            support("up_y1", HELD_IN_PLANE),
+        ],
+        contacts: between("low_y1", surface),
+        ..rubber([("low_body", 1.0), ("up_body", 100.0)], Some(1000.0))
+    };
+    if let MaterialModel::Rubber { bulk_modulus, .. } = &mut scene.materials[0].model {
+        *bulk_modulus = Some(10.0);
+    }
+    let steps = [pull("up_y1", [Some(0.0), Some(-0.2), None], 4)];
+    solve(&scene, &steps, &mesh(parts))
+}
+
+#[test]
+fn open_walls_make_no_room_for_a_sole_that_presses() {
+    let [all, sole] = ["skin", "up_y0"].map(pressed_between_vertices);
+    for (all, sole) in all.iter().zip(&sole) {
+        assert_converged(all);
+        let [found, expected] = [all, sole].map(|report| report.contacts["pair"].force[1]);
+        assert!(close(found, expected, 5e-3), "{found} {expected}");
+    }
+}
+
+#[test]
+fn intervals_of_contact_bear_its_force_where_the_carrier_is_wider() {
+    for report in dipped(5, 0.0, "up_y0") {
+        let pair = &report.contacts["pair"];
+        for axis in 0..2 {
+            let intervals = pair.contact_intervals.iter();
+            let sum: f64 = intervals.map(|one| one.force[axis]).sum();
+            let error = (sum - pair.force[axis]).abs();
+            assert!(
+                error <= 1e-9 * pair.force[1].abs(),
+                "{sum} {:?}",
+                pair.force
+            );
         }
     }
 }
