@@ -4,8 +4,8 @@
 //! Hats and guides have one function a node. Quadratic contact pressure has one a node
 //! *and side*: where a surface turns by more than 30 degrees, the faces on either hand
 //! have functions of their own, since their normals see different motions of the node.
-//! A function whose node supports hold along the normals of its faces goes to the
-//! nearest free functions of these faces (`Shares`). Cost: one sort of the sides.
+//! A function whose node supports hold along the normals of its faces, or of the flat tool that
+//! they meet, goes to the nearest free functions of these faces (`Shares`). Cost: one sort of the sides.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -33,6 +33,16 @@ pub struct Layout {
     pub shares: Shares,
 }
 
+/// What holds the nodes of some facets.
+#[derive(Clone, Copy)]
+pub struct Holding<'a> {
+    /// Whether supports hold a displacement unknown.
+    pub is_held: &'a dyn Fn(u32) -> bool,
+    /// Unit normal of the flat tool that each facet meets in its initial pose `[facets]`; none of other
+    /// tools, empty without tools.
+    pub tools: &'a [Option<[f64; 3]>],
+}
+
 impl Layout {
     /// One function a node, `nodes` `[faces]` being those that carry one.
     pub fn by_nodes(nodes: &[&[u32]]) -> Self {
@@ -50,17 +60,11 @@ impl Layout {
         }
     }
 
-    /// One function a node and side of `facets`; `is_held` tells which unknowns supports
-    /// hold.
-    pub fn by_sides(
-        mesh: &Mesh,
-        space: &TaylorHood,
-        facets: &[u32],
-        is_held: &dyn Fn(u32) -> bool,
-    ) -> Self {
+    /// One function a node and side of `facets`.
+    pub fn by_sides(mesh: &Mesh, space: &TaylorHood, facets: &[u32], holding: Holding<'_>) -> Self {
         let sides = Sides::new(mesh, space, facets);
         let layout = sides.functions();
-        let held = sides.held(&layout, is_held);
+        let held = sides.held(&layout, holding);
         layout.given_away(&sides, &held)
     }
 
@@ -237,17 +241,20 @@ impl<'a> Sides<'a> {
         normalised(sum).unwrap_or_default()
     }
 
-    /// Which functions have a node that supports hold along the normals of all their
-    /// faces.
-    fn held(&self, layout: &Layout, is_held: &dyn Fn(u32) -> bool) -> Vec<bool> {
+    /// Which functions have a node that supports hold along the normals of all their faces, or of the
+    /// tools that these meet: it has no gap that changes.
+    fn held(&self, layout: &Layout, holding: Holding<'_>) -> Vec<bool> {
         let components = self.space.components;
+        let is_held = |node: u32, normal: [f64; 3]| {
+            let mut along = (0..components).filter(|&i| normal[i].abs() > HELD_ALONG);
+            along.all(|i| (holding.is_held)(node * components as u32 + i as u32))
+        };
         let mut held = vec![true; layout.nodes.len()];
         for (face, functions) in layout.faces.iter().enumerate() {
-            let normal = self.normals[face];
+            let tool = holding.tools.get(face).copied().flatten();
             for (&function, &node) in functions.iter().zip(&self.nodes[face]) {
-                let mut along = (0..components).filter(|&i| normal[i].abs() > HELD_ALONG);
-                held[function as usize] &=
-                    along.all(|i| is_held(node * components as u32 + i as u32));
+                held[function as usize] &= is_held(node, self.normals[face])
+                    || tool.is_some_and(|normal| is_held(node, normal));
             }
         }
         held
@@ -294,7 +301,11 @@ mod tests {
 
     fn layout(mesh: &Mesh, names: &[&str], is_held: &dyn Fn(u32) -> bool) -> Layout {
         let space = TaylorHood::new(mesh);
-        Layout::by_sides(mesh, &space, &facets(mesh, names), is_held)
+        let holding = Holding {
+            is_held,
+            tools: &[],
+        };
+        Layout::by_sides(mesh, &space, &facets(mesh, names), holding)
     }
 
     #[test]

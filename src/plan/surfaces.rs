@@ -17,7 +17,7 @@ use std::collections::{BTreeSet, HashSet};
 
 use super::pairs::PlannedPair;
 use super::ties::PlannedTie;
-use crate::contact::layout::Layout;
+use crate::contact::layout::{Holding, Layout};
 use crate::mesh::Mesh;
 use crate::pairs::{self, Meets, creases};
 use crate::scene::ContactSpace;
@@ -121,7 +121,11 @@ fn of_pair(body: Body<'_>, pair: &PlannedPair, next: &mut usize) -> ContactLayou
         Meets::ItsBody | Meets::Itself => pairs::space::creases((body.mesh, body.space), sides),
     };
     let is_held = |unknown: u32| body.holds(unknown) || creases.contains(&(unknown / components));
-    let layout = Layout::by_sides(body.mesh, body.space, &pair.carrier, &is_held);
+    let holding = Holding {
+        is_held: &is_held,
+        tools: &[],
+    };
+    let layout = Layout::by_sides(body.mesh, body.space, &pair.carrier, holding);
     let first = *next as u32;
     *next += layout.shares.multipliers();
     ContactLayout {
@@ -143,7 +147,14 @@ fn layouts(
             .iter()
             .flat_map(|&index| obstacles[index].facets.iter().copied())
             .collect();
-        let whole = layout(body, &facets, space);
+        let tools = group.iter().flat_map(|&index| {
+            let obstacle = &obstacles[index];
+            let shape = &obstacle.shape;
+            let normal = shape.is_flat().then(|| shape.distance([0.0; 3]).normal);
+            obstacle.facets.iter().map(move |_| normal)
+        });
+        let tools: Vec<Option<[f64; 3]>> = tools.collect();
+        let whole = layout(body, (&facets, &tools), space);
         let mut first = 0;
         for &index in &group {
             let last = first + obstacles[index].facets.len();
@@ -160,16 +171,25 @@ fn layouts(
     found.into_iter().flatten().collect()
 }
 
-/// The functions on some facets.
-fn layout(body: Body<'_>, facets: &[u32], space: ContactSpace) -> Layout {
+/// The functions on some facets and the normals of the flat tools that they meet.
+fn layout(
+    body: Body<'_>,
+    (facets, tools): (&[u32], &[Option<[f64; 3]>]),
+    space: ContactSpace,
+) -> Layout {
     let corners = |&facet: &u32| body.mesh.facet(facet as usize);
     match space {
         ContactSpace::Linear => {
             Layout::by_nodes(&facets.iter().map(corners).collect::<Vec<&[u32]>>())
         }
-        ContactSpace::Quadratic => Layout::by_sides(body.mesh, body.space, facets, &|unknown| {
-            body.holds(unknown)
-        }),
+        ContactSpace::Quadratic => {
+            let is_held = |unknown| body.holds(unknown);
+            let holding = Holding {
+                is_held: &is_held,
+                tools,
+            };
+            Layout::by_sides(body.mesh, body.space, facets, holding)
+        }
     }
 }
 

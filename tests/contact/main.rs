@@ -14,6 +14,7 @@ mod fluids;
 mod fluids_by_symmetry;
 mod grids;
 mod held_by_obstacles;
+mod held_rims;
 mod hertz;
 mod inf_sup;
 mod large_surface;
