@@ -125,12 +125,12 @@ fn slid<'m>(model: &'m Model<'_>, state: &'m State) -> impl Iterator<Item = Warn
         let facet = longest.fold(0.0, f64::max) * model.plan.problem.units.coordinate_scale;
         let name = &interface.name;
         (way > facet).then(|| {
-            let [way, facet] = [way * length, facet * length].map(digits);
+            let [told, facet] = [way * length, facet * length].map(digits);
             Warning::new(
                 WarningKind::LargeSliding,
                 name,
-                None,
-                format!("contact `{name}` has slid by {way}, its facets are up to {facet}: linear bodies go on pressing where they met at rest, a law of rubber meets what is there"),
+                Some(way * length),
+                format!("contact `{name}` has slid by {told}, its facets are up to {facet}: linear bodies go on pressing where they met at rest, a law of rubber meets what is there"),
             )
         })
     })

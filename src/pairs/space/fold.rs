@@ -138,7 +138,7 @@ impl SpaceFold {
         let walls = walls.map(|wall| wall.unwrap_or(least));
         let mean = walls.iter().sum::<f64>() / 3.0;
         // A plane through all three.
-        let [a, b, c] = walls.map(|wall| (2.0 * wall - mean).clamp(0.0, reach));
+        let [a, b, c] = walls.map(|wall| (2.0 * wall - mean).max(0.0).min(reach));
         Depth::of_corners([a, b, c])
     }
 

@@ -7,6 +7,7 @@ use crate::comparisons::StepAbout;
 use crate::inequality::{
     LinearSystem, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
 };
+use crate::krylov::Outcome;
 use crate::krylov::gcr::Directions;
 use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
@@ -83,7 +84,11 @@ impl QuadraticProgram<'_> {
         match first {
             Some(solved) if !is_lost(solved.1.status) => solved,
             _ if may_take_factor && self.take_factor(run) => self.solve_by_factor(run, level),
-            Some(_) if may_take_factor && run.learned.factor_is_too_large => {
+            Some((_, outcome))
+                if may_take_factor
+                    && run.learned.factor_is_too_large
+                    && outcome.status == QpStatus::Krylov(Outcome::IterationLimit) =>
+            {
                 self.solve_with(self.geometric.all(), run, level)
             }
             Some(solved) => solved,
