@@ -15,6 +15,9 @@ use super::piece::{
 const SHORTEST: f64 = 1e-12;
 /// Share of a face by which a hit may miss the end of its partner, for rounding.
 const BESIDE: f64 = 1e-9;
+/// Cosine between a ray and the normal of a wall at most, without unit; chosen: walls of blocks that are pressed
+/// deep are met at .65, flanks of a wedge of 67 degrees at .83.
+const SQUARE: f64 = 0.7;
 /// Least cosine between a ray and the normal of what it meets: rays that graze move without bound.
 pub(super) const GRAZING: f64 = 0.2;
 /// Gap of a piece over the reach at most, where another piece of its face is within that: a part that
@@ -324,18 +327,18 @@ fn stands_out(face: &Face<f64>, s: f64, index: usize, partners: &[Partner]) -> b
     own.is_some_and(is_before)
 }
 
-/// Whether a partner is met where the ray meets more squarely what goes on beyond the corner from the face on
-/// its other side: a wall beside the end of a sole.
+/// Whether a partner is met where the ray has met more squarely, before it, what goes on beyond the corner
+/// from the face on its other side: a wall beside the end of a sole. In a hollow corner that lies behind.
 fn is_beside(face: &Face<f64>, s: f64, index: usize, partners: &[Partner]) -> bool {
-    let own = met(face, s, &partners[index]).filter(is_on);
+    let is_wall = |own: &Met| is_on(own) && own.cosine < SQUARE;
+    let own = met(face, s, &partners[index]).filter(is_wall);
     let goes_on = |(other, met): (&Partner, Met)| {
         let [low, high] = other.range;
         !is_on(&met) && (low..=high).contains(&met.r)
     };
     own.is_some_and(|own| {
-        across(face, s, (index, &own), partners)
-            .into_iter()
-            .any(goes_on)
+        let others = across(face, s, (index, &own), partners).into_iter();
+        others.filter(|(_, met)| met.gap < own.gap).any(goes_on)
     })
 }
 

@@ -6,10 +6,11 @@
 //!
 //! ```text
 //! g -> g [1 - kappa_jS o(g)],   o = 0 up to half of d, 1 from d on, between by q^2 (3 - 2 q),  d .03 of the face
-//! kappa_jS = p^2 (3 - 2 p),   p = (m_jS - least of m_jS) / d, at most one,   m_jS = int psi_j dV / int psi_j da
+//! kappa_jS = a(c_jS) p^2 (3 - 2 p),   p = (m_jS - least of m_jS) / d, at most one,   m_jS = int psi_j dV / int psi_j da
 //! ```
 //!
-//! over what the function j meets of the part S. The part that is nearest counts wholly, and so does each
+//! c the mean cosine at which rays meet the part, a 1 below .7, 0 from .8 on, between as o: a wall, not the flank
+//! of a tip, whose sides press both. Integrals are over what the function j meets of the part S. The part that is nearest counts wholly, and so does each
 //! other one where it is near; of the rest nothing is left, as if the other surface ended at the corner. o is
 //! a part of what is integrated, with its derivatives; kappa is taken as it is, and pieces end where o begins
 //! and where it is one. Functions that meet one part have kappa = 0. In the plane and about an axis,
@@ -32,6 +33,10 @@ const BEGINS: f64 = 0.5;
 /// Cosine of the turn at a corner below which it parts a surface, without unit; chosen: walls of blocks are beyond
 /// such corners, chamfers and flanks of blunt tips are not.
 const STEEP: f64 = 0.5;
+/// Cosines between rays and the normals of a part below which it begins to fade, and fades wholly, without unit;
+/// chosen: below .6 and .4 walls of blocks that are pressed deep make room again (1.229 for 1.386), flanks of a
+/// wedge of 67 degrees are met at .83.
+const ASLANT: [f64; 2] = [0.8, 0.7];
 /// Parts of a piece in which it is looked for where the gap is one of both, and halvings of such a part.
 const PARTS: u32 = 8;
 const HALVINGS: usize = 50;
@@ -109,8 +114,8 @@ pub(super) struct Known<'a> {
     pub(super) shares: &'a Shares,
 }
 
-/// Sums of a multiplier over what it meets of a smooth part: int psi g, int psi.
-type Sums = BTreeMap<(u32, u32), [f64; 2]>;
+/// Sums of a multiplier over what it meets of a smooth part: int psi g, int psi c, int psi.
+type Sums = BTreeMap<(u32, u32), [f64; 3]>;
 
 impl Placed<'_> {
     /// The same with what is open left out of multipliers that meet something nearer beyond a corner.
@@ -144,16 +149,20 @@ impl Placed<'_> {
     fn factors(&self, known: Known<'_>) -> BTreeMap<(u32, u32), f64> {
         let sums = self.sums(known);
         let mut least: BTreeMap<u32, f64> = BTreeMap::new();
-        let means = sums.into_iter().map(|(key, [gap, area])| (key, gap / area));
-        let means: Vec<((u32, u32), f64)> = means.collect();
-        for &((m, _), mean) in &means {
+        let means = sums
+            .into_iter()
+            .map(|(key, [gap, cosine, area])| (key, [gap / area, cosine / area]));
+        let means: Vec<((u32, u32), [f64; 2])> = means.collect();
+        for &((m, _), [mean, _]) in &means {
             let known = least.entry(m).or_insert(mean);
             *known = known.min(mean);
         }
         let open = self.open(known, &least);
-        let factor = |((m, part), mean): ((u32, u32), f64)| {
+        let factor = |((m, part), [mean, cosine]): ((u32, u32), [f64; 2])| {
             let beyond = (mean - least.get(&m)?) / open.get(&m)?;
-            Some(((m, part), rise(beyond))).filter(|&(_, own)| own > 0.0)
+            let aslant = (cosine - ASLANT[0]) / (ASLANT[1] - ASLANT[0]);
+            let own = rise(aslant) * rise(beyond);
+            Some(((m, part), own)).filter(|&(_, own)| own > 0.0)
         };
         means.into_iter().filter_map(factor).collect()
     }
@@ -179,15 +188,29 @@ impl Placed<'_> {
             }
             let gaps = meeting.piece.gaps(&self.places(meeting), self.sweep());
             let areas = self.counted_areas(meeting);
+            let cosine = self.squareness(meeting);
             for k in 0..3 {
                 for (m, share) in wanted(k) {
                     let sum = sums.entry((m, known.parts[meeting.other])).or_default();
-                    *sum = [sum[0] + share * gaps[k], sum[1] + share * areas[k]];
+                    let parts = [gaps[k], cosine * areas[k], areas[k]];
+                    *sum = [0, 1, 2].map(|i| sum[i] + share * parts[i]);
                 }
             }
         }
-        sums.retain(|_, [_, area]| *area > 0.0);
+        sums.retain(|_, [_, _, area]| *area > 0.0);
         sums
+    }
+
+    /// Cosine between the ray from the middle of a meeting and the normal of what it meets.
+    fn squareness(&self, meeting: &Meeting) -> f64 {
+        let (face, other) = (self.face(meeting.face), self.other_places(meeting));
+        let [first, last] = meeting.piece.ends.map(End::place);
+        let s = 0.5 * (first + last);
+        let [tangent, _] = face.tangent(s);
+        meeting_of(&face, s, other).map_or(1.0, |r| {
+            let met = slope(other, r);
+            -dot(tangent, met) / (dot(tangent, tangent) * dot(met, met)).sqrt()
+        })
     }
 
     /// From which gap on the `wanted` multipliers are open, by the longest of their faces.

@@ -29,7 +29,7 @@ const BUDGETS: &[(&str, usize, usize)] = &[
     ("mesh", 2643, 11),
     ("model", 5820, 18),
     ("obstacle", 5869, 51),
-    ("pairs", 9773, 74),
+    ("pairs", 9880, 76),
     ("parallel", 124, 1),
     ("plan", 4786, 73),
     ("precond", 4984, 46),

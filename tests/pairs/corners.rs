@@ -79,6 +79,40 @@ fn flanks_of_a_blunt_tip_touch_nothing_before_its_end() {
     }
 }
 
+/// Force of a wedge of 67 degrees, a hundred times as stiff, pressed into a slab of 8 facets, or of times as many.
+fn sharp_wedge(finer: usize) -> f64 {
+    let slab = moved(unit_grid(8 * finer, 4 * finer), |[x, y, z]| [x, 0.6 * y, z]);
+    let tip = moved(unit_grid(4 * finer, 2 * finer), |[x, y, z]| {
+        let low = 0.65 + 0.4 * (x - 0.5).abs();
+        [0.2 + 0.6 * x, low + (1.05 - low) * y, z]
+    });
+    let mut scene = Scene {
+        supports: vec![
+            support("low_y0", HELD_IN_PLANE),
+            support("up_y1", HELD_IN_PLANE),
+        ],
+        contacts: between("up_y0", "low_y1"),
+        ..rubber([("low_body", 1.0), ("up_body", 100.0)], None)
+    };
+    scene.contacts[0].carries = Some("low_y1".to_owned());
+    let step = pull("up_y1", [Some(0.0), Some(-0.1), None], 2);
+    let reports = solve(
+        &scene,
+        &[step],
+        &mesh(joined(&[("low_", slab), ("up_", tip)])),
+    );
+    let last = reports.last().expect("a report");
+    assert_converged(last);
+    last.contacts["pair"].force[1]
+}
+
+/// Its sides are no walls: both press on the function that meets the tip.
+#[test]
+fn both_flanks_of_a_sharp_tip_count() {
+    let [coarse, fine] = [1, 2].map(sharp_wedge);
+    assert!(close(coarse, fine, 0.2), "{coarse} {fine}");
+}
+
 /// A block of 8 by 8 facets, a hundred times as stiff, pressed by its `surface` into a slab of 8 by 4 between two of
 /// whose vertices its corners lie.
 fn pressed_between_vertices(surface: &str) -> Vec<StepReport> {
