@@ -105,7 +105,7 @@ pub struct Piece {
     pub beside: [Beside; 2],
     /// The ends, ascending.
     pub ends: [End; 2],
-    /// kappa of the three functions (see [`super::fading`]).
+    /// kappa of the three functions (see `fading`).
     pub fading: [f64; 3],
 }
 
