@@ -1,7 +1,7 @@
 //! Displacements of several bodies to twice the digits, while an increment is solved:
 //!
 //! ```text
-//! u + r,   r: what rounding has taken off u,   |r| <= eps |u| / 2
+//! u + r,   r: what rounding has taken off u,   |r| <= eps |u| / 2 after a step
 //! w_a = (u_a - u_b) + (r_a - r_b),   b: the first vertex of the body of a
 //! ```
 //!
@@ -33,7 +33,8 @@ pub(crate) struct Remainder {
 }
 
 impl Remainder {
-    /// Zero, at the begin of an increment; none where no body of finite strain meets a softer one.
+    /// Zero, at the begin of an increment; none of linear bodies, without contact between bodies, and where no
+    /// material is more than `ALIKE` times as stiff as another.
     pub(crate) fn of(model: &Model<'_>) -> Option<Self> {
         let resolved = &model.plan.problem.resolved;
         let moduli = resolved.materials.iter().map(|one| one.law.shear_modulus);

@@ -3,8 +3,9 @@
 //! Ends of the pieces are where the rays of the face pass vertices of the other surface, and where it
 //! stops going on beyond its ends and corners: roots of cubics. They count within the reach along the
 //! ray, and at any distance those of faces that are met, or of the same body: what else is among the
-//! candidates of another body changes nothing. Between two of them the partner is that of the ray in the middle: the nearest face that it
-//! meets from outside, within the reach and before half of the way to where neighbouring rays meet. The choice is by values alone; derivatives are taken with the
+//! candidates of another body changes nothing. Between two of them the partner is that of the ray in
+//! the middle: the nearest face that it meets from outside, within the reach and before half of the
+//! way to where neighbouring rays meet. The choice is by values alone; derivatives are taken with the
 //! topology as it is. Cost: one cubic a vertex and one ray a part and face among the candidates.
 
 use super::piece::{
@@ -12,11 +13,11 @@ use super::piece::{
 };
 
 /// Pieces shorter than this share of a face are left out.
-const SHORTEST: f64 = 1e-12;
+pub(super) const SHORTEST: f64 = 1e-12;
 /// Share of a face by which a hit may miss the end of its partner, for rounding.
 const BESIDE: f64 = 1e-9;
-/// Cosine between a ray and the normal of a wall at most, without unit; chosen: walls of blocks that are pressed
-/// deep are met at .65, flanks of a wedge of 67 degrees at .83.
+/// Cosine between a ray and the normal of a wall at most, without unit; chosen below the .83 of flanks of a wedge of
+/// 67 degrees: where these count as walls, it ends as `not_converged` in the increment of first touch.
 const SQUARE: f64 = 0.7;
 /// Least cosine between a ray and the normal of what it meets: rays that graze move without bound.
 pub(super) const GRAZING: f64 = 0.2;
@@ -55,6 +56,17 @@ pub enum Role {
     Meets,
     /// One of the same body that only stops rays.
     Hides,
+}
+
+impl Role {
+    /// Of faces of one body the one that comes first in `ranks` `[faces]` presses; either where there are none.
+    pub(super) fn by_ranks(ranks: &[usize], [own, other]: [usize; 2]) -> Self {
+        if ranks.is_empty() || ranks[own] < ranks[other] {
+            Self::Meets
+        } else {
+            Self::Hides
+        }
+    }
 }
 
 /// How far partners are looked for along the rays.
@@ -270,15 +282,22 @@ pub(super) fn roots(k: [f64; 4]) -> Vec<f64> {
 }
 
 /// The root between two places where the cubic is monotone; none without a change of sign.
-fn root(k: [f64; 4], [mut low, mut high]: [f64; 2]) -> Option<f64> {
-    let is_positive = |s: f64| value(k, s) > 0.0;
-    let first = is_positive(low);
-    if first == is_positive(high) {
+fn root(k: [f64; 4], ends: [f64; 2]) -> Option<f64> {
+    crossing(&|s| value(k, s) > 0.0, ends)
+}
+
+/// Where `is_past` changes between two places; none where both have the same.
+pub(super) fn crossing(
+    is_past: &dyn Fn(f64) -> bool,
+    [mut low, mut high]: [f64; 2],
+) -> Option<f64> {
+    let first = is_past(low);
+    if first == is_past(high) {
         return None;
     }
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        if is_positive(middle) == first {
+        if is_past(middle) == first {
             low = middle;
         } else {
             high = middle;

@@ -19,6 +19,7 @@
 use std::collections::BTreeMap;
 
 use super::chain::{Chain, by_vertex, turn};
+use super::choice::{SHORTEST, crossing};
 use super::number::Number;
 use super::pair::{Meeting, Placed};
 use super::piece::{End, Face, Piece, bernstein, dot, meeting, point, slope};
@@ -26,8 +27,9 @@ use crate::contact::shares::Shares;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
-/// Gap over the length of a face from which on it is open, without unit; chosen.
-const OPEN: f64 = 0.03;
+/// Gap over the length of a face from which on nothing of it counts, without unit; chosen: with .03 a block with walls
+/// takes 15 programs in one increment, with .1 it does not converge.
+const FADED: f64 = 0.03;
 /// Share of that from which on it fades, without unit; chosen.
 const BEGINS: f64 = 0.5;
 /// Cosine of the turn at a corner below which it parts a surface, without unit; chosen: walls of blocks are beyond
@@ -36,12 +38,9 @@ const STEEP: f64 = 0.5;
 /// Cosines between rays and the normals of a part below which it begins to fade, and fades wholly, without unit;
 /// chosen: below .6 and .4 walls of blocks that are pressed deep make room again (1.229 for 1.386), flanks of a
 /// wedge of 67 degrees are met at .83.
-const ASLANT: [f64; 2] = [0.8, 0.7];
-/// Parts of a piece in which it is looked for where the gap is one of both, and halvings of such a part.
+const WALL: [f64; 2] = [0.8, 0.7];
+/// Parts of a piece in each of which it is looked for where the gap begins to fade and has faded; chosen.
 const PARTS: u32 = 8;
-const HALVINGS: usize = 50;
-/// Shorter pieces are left out.
-const SHORTEST: f64 = 1e-12;
 
 /// The part that each face of a surface is of `[faces]`: all that is joined without a steep corner.
 pub(super) fn parts(mesh: &Mesh, space: &TaylorHood, chain: &Chain) -> Vec<u32> {
@@ -75,7 +74,7 @@ impl<T: Number> Face<T> {
         let [tangent, _] = self.tangent(s);
         let along = slope(self.nodes, T::constant(0.5));
         let square = gap * gap * dot(tangent, tangent) / dot(along, along);
-        square.times((OPEN * OPEN).recip().copysign(gap.value()))
+        square.times((FADED * FADED).recip().copysign(gap.value()))
     }
 
     /// o of a gap.
@@ -160,7 +159,7 @@ impl Placed<'_> {
         let open = self.open(known, &least);
         let factor = |((m, part), [mean, cosine]): ((u32, u32), [f64; 2])| {
             let beyond = (mean - least.get(&m)?) / open.get(&m)?;
-            let aslant = (cosine - ASLANT[0]) / (ASLANT[1] - ASLANT[0]);
+            let aslant = (cosine - WALL[0]) / (WALL[1] - WALL[0]);
             let own = rise(aslant) * rise(beyond);
             Some(((m, part), own)).filter(|&(_, own)| own > 0.0)
         };
@@ -221,7 +220,7 @@ impl Placed<'_> {
             for (m, _) in all.filter(|(m, _)| wanted.contains_key(m)) {
                 let along = slope(self.face(face).nodes, 0.5);
                 let longest = open.entry(m).or_insert(0.0);
-                *longest = longest.max(OPEN * dot(along, along).sqrt());
+                *longest = longest.max(FADED * dot(along, along).sqrt());
             }
         }
         open
@@ -263,21 +262,4 @@ impl Placed<'_> {
 fn meeting_of(face: &Face<f64>, s: f64, other: [[f64; 2]; 3]) -> Option<f64> {
     let [tangent, _] = face.tangent(s);
     meeting(point(face.nodes, s), tangent, other)
-}
-
-/// Where `is_past` changes between two places.
-fn crossing(is_past: &dyn Fn(f64) -> bool, [mut low, mut high]: [f64; 2]) -> Option<f64> {
-    let first = is_past(low);
-    if first == is_past(high) {
-        return None;
-    }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if is_past(middle) == first {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    Some(0.5 * (low + high))
 }

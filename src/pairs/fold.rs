@@ -127,12 +127,7 @@ impl Fold {
         {
             return None;
         }
-        let comes_first = |ranks: &[usize]| ranks[own] < ranks[other];
-        Some(if self.ranks.is_empty() || comes_first(&self.ranks) {
-            Role::Meets
-        } else {
-            Role::Hides
-        })
+        Some(Role::by_ranks(&self.ranks, [own, other]))
     }
 }
 
